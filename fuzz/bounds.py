@@ -232,6 +232,12 @@ def inputs_as_a_whole():
     yield "3.5 million parts of a tooth", "teeth-a.csv", (teeth + "".join(f"P{n};0;0,01\n" for n in range(3_500_000))).encode()
     yield "3,000 parts with long names", "teeth-b.csv", (teeth + "".join(f"P{n}{'x' * 20_000};0;0,01\n" for n in range(3000))).encode()
     yield "4.5 million teeth of a part", "teeth-c.csv", (teeth + "".join(f"P;{n % 90_000};0,01\n" for n in range(4_500_000))).encode()
+    head = b"part_id;rack_over_roller [mm]\n"
+    yield "a million rows that are all rejected", "an.csv", head + b"".join(b"P%d;x\n" % n for n in range(1_000_000))
+    yield "cells of 250 kB in Latin-1", "ao.csv", head + (b"\xe4" * 250_000 + b";x\n") * 240
+    yield "2.5 million names of words in Latin-1", "ap.csv", head + b"St\xfcck;25,01\n" * 2_500_000
+    rows = b"".join(b"P%d;25,01\n" % n for n in range(50))
+    yield "300 long rows that are no parts", "read-c.csv", head + rows + (b"x" * 200_000 + b";\n") * 300
     words = b"some words and no table\n" * (64 << 20 >> 5)
     yield "48 MiB of words through a pipe", "read-a.txt", words
     yield "64 MiB and more through a pipe", "read-b.txt", words * 2
@@ -253,7 +259,7 @@ def resident(pid):
 def arguments(spec, pair, path):
     """The command for a file: by the start of its name, or by its ending."""
     name = os.path.basename(path)
-    commands = {"teeth-": ["batch", "--teeth", pair, path], "read-": ["read", "-"], "report-": ["report", spec, "-"]}
+    commands = {"teeth-": ["batch", "--teeth", pair, path], "read-": ["read", "--spec", spec, "-"], "report-": ["report", spec, "-"]}
     for start, command in commands.items():
         if name.startswith(start):
             return command

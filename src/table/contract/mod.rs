@@ -28,6 +28,7 @@ use std::sync::{Arc, LazyLock};
 
 use super::cell::{Cell, Record};
 use super::dictionary::Role;
+use super::encoding::text;
 use super::field::Field;
 use super::layout::{Layout, LineRule, OwnRule, StatusColumn};
 use super::ledger::{LeftOut, OF_FORMAT, Tally};
@@ -126,7 +127,7 @@ impl Contract {
         static NAMES: LazyLock<HashSet<&str>> = LazyLock::new(|| NO_PART_NAMES.split(", ").collect());
         const LONGEST: usize = 100;
         let text = name.text();
-        if text.is_empty() || text.len() > LONGEST || Self::is_plain_name(text.as_bytes()) {
+        if text.is_empty() || text.len() > LONGEST || text.bytes().any(|byte| byte.is_ascii_digit()) {
             return false;
         }
         NAMES.contains(&*text.to_lowercase())
@@ -145,9 +146,11 @@ impl Contract {
             .then(|| format!("`{text}` is no part's name: leave the line out, or give the part another name"))
     }
 
-    /// Whether a name needs no closer look: no name of a statistic or a limit has a digit.
+    /// Whether a name needs no closer look: no name of a statistic or a limit has a digit, and it may be another word.
     pub(crate) fn is_plain_name(name: &[u8]) -> bool {
-        name.iter().any(u8::is_ascii_digit)
+        let is_word =
+            |text: &str| text.chars().all(char::is_alphabetic) && Self::no_name(&Cell::of_text(text)).is_none();
+        name.iter().any(u8::is_ascii_digit) || is_word(&text(name))
     }
 
     /// The column of a measuring program's decision.
