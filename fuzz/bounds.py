@@ -237,7 +237,7 @@ def inputs_as_a_whole():
     yield "cells of 250 kB in Latin-1", "ao.csv", head + (b"\xe4" * 250_000 + b";x\n") * 240
     yield "2.5 million names of words in Latin-1", "ap.csv", head + b"St\xfcck;25,01\n" * 2_500_000
     rows = b"".join(b"P%d;25,01\n" % n for n in range(50))
-    yield "300 long rows that are no parts", "read-c.csv", head + rows + (b"x" * 200_000 + b";\n") * 300
+    yield "200 long rows that are no parts", "read-c.csv", head + rows + (b"x" * 200_000 + b";\n") * 200
     words = b"some words and no table\n" * (64 << 20 >> 5)
     yield "48 MiB of words through a pipe", "read-a.txt", words
     yield "64 MiB and more through a pipe", "read-b.txt", words * 2

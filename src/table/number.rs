@@ -177,7 +177,7 @@ pub(crate) fn is_number(cell: &str) -> bool {
     let is_plain =
         |part: Option<&str>| part.is_none_or(|part| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit()));
     let is_plain = digits.len() <= 18 && is_plain(parts.next()) && is_plain(parts.next()) && parts.next().is_none();
-    let is_word = cell.starts_with(|c: char| c.is_ascii_alphabetic());
+    let is_word = cell.starts_with(|c: char| c.is_alphabetic() && c < '\u{3000}');
     is_plain || !is_word && DecimalMark::ALL.into_iter().any(|mark| normalise(cell, mark).is_some())
 }
 

@@ -187,9 +187,9 @@ impl Pcdmis<'_> {
             (self.dimension, self.unit) = (name.to_owned(), stated_unit(line).unwrap_or_default());
             return self.own(line, number);
         }
-        let words: Vec<&str> = line.split_whitespace().collect();
-        if words[0] == "AX" && words.contains(&"MEAS") {
-            return self.heading(&words[1..], line, number);
+        let words = line.split_whitespace();
+        if words.clone().next() == Some("AX") && words.clone().any(|word| word == "MEAS") {
+            return self.heading(&words.skip(1).collect::<Vec<_>>(), line, number);
         }
         // several entries of the head may stand in a line
         let heads = line.split("  ").map(str::trim).filter(|head| !head.is_empty());
@@ -204,8 +204,9 @@ impl Pcdmis<'_> {
             return self.own(line, number);
         }
         let is_number = |word: &str| Decimal::parse(&word.replace(',', ".")).is_ok();
-        if !self.dimension.is_empty() && !self.columns.is_empty() && words.len() > 1 && is_number(words[1]) {
-            return self.axis(&words, number);
+        let is_axis = !self.dimension.is_empty() && !self.columns.is_empty();
+        if is_axis && words.clone().nth(1).is_some_and(is_number) {
+            return self.axis(&words.collect::<Vec<_>>(), number);
         }
         let record = Record::new(vec![Cell::of_text(line)], number);
         match self.layout.covering(&record) {
