@@ -25,7 +25,7 @@ fn json_of(pair: &Pair, error: ToothError, value_mm: f64, interval_mm: [Option<f
 /// The errors, the one with the largest effect first.
 pub(super) fn errors_json(diagnosis: &Diagnosis, pair: &Pair) -> Value {
     // an interval holds only where the errors explain the curve
-    let interval = |own: [Option<f64>; 2]| if diagnosis.leaves_more { [None; 2] } else { own };
+    let interval = |own: [Option<f64>; 2]| if diagnosis.is_likely() { own } else { [None; 2] };
     let found = diagnosis.errors.iter().map(|found| {
         let mut json = json_of(pair, found.error, found.value_mm, interval(found.interval_mm));
         json["effect_mm"] = tidy(found.effect_mm).into();
@@ -51,6 +51,7 @@ pub(super) fn json(diagnosis: &Diagnosis, is_fitted: bool) -> Value {
         "chi_square_threshold": tidy(diagnosis.threshold),
         "rms_left_mm": tidy(diagnosis.rms_left_mm),
         "leaves_more_than_noise": diagnosis.leaves_more,
+        "eccentricity_mm": diagnosis.eccentricity_mm.map(tidy),
         "offset_mm": tidy(diagnosis.offset_mm),
         "stroke_shift_mm": tidy(diagnosis.shift_mm),
         "unseen_size_mm": UNSEEN_MM,
@@ -89,11 +90,13 @@ pub(super) fn blocks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<Block> {
             [name.to_owned(), format!("{} mm", millimetres(tidy(mm))), String::new(), String::new(), String::new()]
         }));
     }
-    let is_part = diagnosis.leaves_more;
-    let mut table = Table::of(rows)
-        .text(if is_part { "explains a part of the curve" } else { "explains the curve" }, |row| row[0].clone())
-        .number("value", |row| row[1].clone());
-    if !is_part {
+    let title = match (diagnosis.eccentricity_mm, diagnosis.leaves_more) {
+        (Some(_), _) => "in place of an eccentricity",
+        (None, true) => "explains a part of the curve",
+        (None, false) => "explains the curve",
+    };
+    let mut table = Table::of(rows).text(title, |row| row[0].clone()).number("value", |row| row[1].clone());
+    if diagnosis.is_likely() {
         table = table.number("from", |row| row[2].clone()).number("to", |row| row[3].clone());
     }
     let table = table.number("changes ΔCD by", |row| row[4].clone());
@@ -104,11 +107,16 @@ pub(super) fn blocks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<Block> {
         unsigned(diagnosis.rms_left_mm),
         unsigned(diagnosis.noise_mm)
     );
-    blocks.push(Block::Note(match (diagnosis.errors.len(), is_part) {
-        (0, _) => format!("no error of a tooth stands out of the noise; {left}"),
-        (_, true) => format!("errors of single teeth do not explain the curve; {left}"),
-        (1, _) => format!("one error explains the curve; {left}"),
-        (count, _) => format!("{count} errors explain the curve; {left}"),
+    blocks.push(Block::Note(match (diagnosis.errors.len(), diagnosis.leaves_more, diagnosis.eccentricity_mm) {
+        (count, _, Some(mm)) => format!(
+            "an eccentricity of the pinion of {:.1} µm alone leaves no more than these {count} errors of teeth: write it into the spec, \
+             pinion.deviation = [{{ eccentricity = … }}], and look again; {left}",
+            1000.0 * tidy(mm)
+        ),
+        (0, ..) => format!("no error of a tooth stands out of the noise; {left}"),
+        (_, true, None) => format!("errors of single teeth do not explain the curve; {left}"),
+        (1, ..) => format!("one error explains the curve; {left}"),
+        (count, ..) => format!("{count} errors explain the curve; {left}"),
     }));
     blocks.extend(remarks(diagnosis, is_fitted).into_iter().map(Block::Note));
     blocks
@@ -120,7 +128,8 @@ const NOT_EXPLAINED: &str = "what is left is more than the noise: check module, 
 
 /// What the curve cannot tell.
 fn remarks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<String> {
-    let mut remarks: Vec<String> = diagnosis.leaves_more.then(|| NOT_EXPLAINED.to_owned()).into_iter().collect();
+    let is_unexplained = diagnosis.leaves_more && diagnosis.eccentricity_mm.is_none();
+    let mut remarks: Vec<String> = is_unexplained.then(|| NOT_EXPLAINED.to_owned()).into_iter().collect();
     remarks.extend(diagnosis.errors.iter().filter(|found| !found.alternatives.is_empty()).map(same_curve));
     let open = |found: &&FoundError| found.interval_mm.contains(&None);
     remarks.extend(diagnosis.errors.iter().filter(open).map(|found| {
@@ -199,13 +208,14 @@ mod tests {
             effect_mm: 0.02,
             alternatives: Vec::new(),
         };
-        let said = |leaves_more| {
+        let said = |leaves_more, eccentricity_mm| {
             let diagnosis = Diagnosis {
                 errors: vec![found.clone()],
                 noise_mm: 0.001,
                 noise_is_stated: false,
                 rms_left_mm: 0.004,
                 leaves_more,
+                eccentricity_mm,
                 explained_mm: Vec::new(),
                 offset_mm: 0.0,
                 shift_mm: 0.0,
@@ -218,10 +228,16 @@ mod tests {
             let ends = errors_json(&diagnosis, &pair)[0]["interval_mm"].clone();
             (format!("{:?}", blocks(&diagnosis, false)), ends)
         };
-        let ((all, ends), (part, no_ends)) = (said(false), said(true));
+        let ((all, ends), (part, no_ends)) = (said(false, None), said(true, None));
         assert_eq!((ends, no_ends), (json!([0.017, 0.019]), json!([null, null])));
         assert!(all.contains("one error explains the curve") && all.contains("+19.0 µm"), "{all}");
         assert!(part.contains("do not explain the curve; left") && part.contains(NOT_EXPLAINED), "{part}");
         assert!(!part.contains("error explains") && !part.contains("+19.0 µm"), "{part}");
+        let (simpler, no_ends) = said(false, Some(0.015));
+        assert!(
+            simpler.contains("an eccentricity of the pinion of 15.0 µm alone") && !simpler.contains("+19.0 µm"),
+            "{simpler}"
+        );
+        assert_eq!(no_ends, json!([null, null]));
     }
 }

@@ -64,6 +64,8 @@ pub struct Diagnosis {
     pub rms_left_mm: f64,
     /// Whether that is clearly more than the noise.
     pub leaves_more: bool,
+    /// The eccentricity of the pinion that alone leaves no more than several errors of teeth, mm: it is the likelier cause.
+    pub eccentricity_mm: Option<f64>,
     /// The explained curve: the computed curve with the errors, placed, at the measured points, mm.
     pub explained_mm: Vec<f64>,
     /// The offset added to the computed curve, mm.
@@ -84,6 +86,8 @@ pub struct Diagnosis {
 const INTERVAL: f64 = 3.84;
 /// The rise of χ² up to which a size explains the curve as well as the best one: one standard deviation of the size.
 const AS_WELL: f64 = 1.0;
+/// How much more an eccentricity may leave than errors of teeth in whose place it stands.
+const AS_LITTLE: f64 = 1.1;
 /// The most errors that a diagnosis finds.
 const MOST_ERRORS: usize = 12;
 /// The errors up to which a search goes on at every stroke shift at which it begins.
@@ -139,11 +143,16 @@ impl Diagnosis {
         let apart = || points.iter().zip(&sight.model_mm).map(|(measured, model)| measured - model);
         let offset_mm = if search.fits { mean(&mut apart()) } else { 0.0 };
         let square = mean(&mut apart().map(|apart| (apart - offset_mm) * (apart - offset_mm)));
+        let rms_left_mm = square.sqrt();
+        let (rack, pinion) = (mesh.pair().rack(), mesh.pair().pinion());
+        let eccentric = overlay.once_a_turn(rack.pitch_mm * f64::from(pinion.teeth)).filter(|_| found.len() > 1);
+        let eccentric = eccentric.filter(|[_, left_mm]| *left_mm <= AS_LITTLE * rms_left_mm);
         Ok(Self {
+            eccentricity_mm: eccentric.map(|[amount_mm, _]| amount_mm),
             errors: found,
             noise_mm: search.noise_mm,
             noise_is_stated: request.noise_mm.is_some(),
-            rms_left_mm: square.sqrt(),
+            rms_left_mm,
             leaves_more: search.leaves_more(),
             explained_mm: sight.model_mm.iter().map(|model| model + offset_mm).collect(),
             offset_mm,
@@ -153,6 +162,12 @@ impl Diagnosis {
             threshold: search.threshold,
             unseen,
         })
+    }
+
+    /// Whether the errors explain the curve, and nothing simpler does.
+    #[must_use]
+    pub fn is_likely(&self) -> bool {
+        !self.leaves_more && self.eccentricity_mm.is_none()
     }
 }
 

@@ -17,6 +17,7 @@ pub use tooth_error::{ToothError, ToothErrorKind};
 
 use crate::linear::least_squares;
 use crate::mesh::{Mesh, MeshError, Support, largest_swing};
+use crate::trig;
 
 /// A point of a measured curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,6 +157,23 @@ impl Overlay {
         let spectrum = Spectrum::of(&strokes, [&measured_mm, &computed_mm], pitch_mm, mesh.pair().pinion().teeth);
         let (points, farthest) = (points.to_vec(), *farthest);
         Ok(Self { points, computed_mm, placement, rms_mm, farthest, largest_mm, variations, spectrum })
+    }
+
+    /// The amplitude of a sine over a turn of the pinion in measured less computed, and the root of the mean square that it leaves,
+    /// mm: an eccentricity e of the pinion moves ΔCD by ± e. `None` where the points cover less than a turn.
+    fn once_a_turn(&self, turn_mm: f64) -> Option<[f64; 2]> {
+        let (first, last) = (self.points.first()?.stroke_mm, self.points.last()?.stroke_mm);
+        if last - first < turn_mm {
+            return None;
+        }
+        let angles = self.points.iter().map(|point| std::f64::consts::TAU * point.stroke_mm / turn_mm);
+        let (sines, cosines): (Vec<_>, Vec<_>) = angles.map(trig::sin_cos).unzip();
+        let ones = vec![1.0; sines.len()];
+        let constant = self.placement.iter().map(|_| ones.as_slice());
+        let columns: Vec<&[f64]> = [&sines[..], &cosines].into_iter().chain(constant).collect();
+        let fit = least_squares(&columns, &ones, &self.differences_mm().collect::<Vec<_>>())?;
+        let (sine, cosine) = (fit.coefficients[0], fit.coefficients[1]);
+        Some([(sine * sine + cosine * cosine).sqrt(), (fit.rest / ones.len() as f64).sqrt()])
     }
 
     /// Measured less computed at each point, mm.

@@ -177,6 +177,23 @@ fn a_curve_without_an_error_gets_none() {
     assert!(thin.is_some_and(|of| of["teeth"].as_array().unwrap().contains(&7.into())), "{unseen:?}");
 }
 
+/// Errors of several teeth that are together what an eccentricity of the pinion is are called that, and have no sizes that hold.
+#[test]
+fn an_eccentricity_is_no_set_of_teeth() {
+    let folder = tempfile::tempdir().unwrap();
+    let eccentric = SPEC.to_owned() + "[[pinion.deviation]]\neccentricity = { amount = \"15 um\", tooth = 2 }\n";
+    let trace = noisy_of(&eccentric, 8, TWO_TURNS, [0.0, 0.0042]);
+    let few: Vec<&str> = trace.lines().step_by(20).collect();
+    let path = table(&folder, &few.join("\n"));
+    let answer = ask(SPEC, &["--measured", &path, "--diagnose"]).unwrap();
+    assert!((number(&answer, "/measured/explained/eccentricity_mm") - 0.015).abs() < 1e-3);
+    let found = answer["diagnosis"].as_array().unwrap();
+    assert!(
+        found.len() > 1 && found.iter().all(|one| one["interval_mm"] == serde_json::json!([null, null])),
+        "{found:?}"
+    );
+}
+
 /// Where a thin tooth leaves its work to its neighbours, every larger error has the same curve: one end of the size is open, and the
 /// value is near the other one, however large the error is.
 #[test]
