@@ -69,8 +69,8 @@ pub enum Unjudged {
     NotGiven,
     /// Errors that the spec asks for are missing: of each of [`DeviationKind::ALL`], whether it is.
     Lacking([bool; DeviationKind::ALL.len()]),
-    /// The rule needs an uncertainty of every value; a value has none.
-    NoUncertainty,
+    /// The rule needs an uncertainty of every value: of each of [`DeviationKind::ALL`], whether it has none.
+    NoUncertainty([bool; DeviationKind::ALL.len()]),
     /// The range is not finite.
     NoBound(NoBound),
 }
@@ -80,6 +80,12 @@ impl Unjudged {
     #[must_use]
     pub fn lacking(kinds: &[DeviationKind]) -> Self {
         Self::Lacking(DeviationKind::ALL.map(|kind| kinds.contains(&kind)))
+    }
+
+    /// Without an uncertainty of these errors' values.
+    #[must_use]
+    pub fn without_uncertainty(kinds: &[DeviationKind]) -> Self {
+        Self::NoUncertainty(DeviationKind::ALL.map(|kind| kinds.contains(&kind)))
     }
 }
 
@@ -105,16 +111,19 @@ impl LimitCheck {
         match (self.result, self.verdict) {
             (Err(Unjudged::NotGiven), _) => Some(format!("there is no value for {}", self.on)),
             (Err(Unjudged::Lacking(lacks)), _) => {
-                let lacking = DeviationKind::ALL.into_iter().zip(lacks).filter(|(_, lacks)| *lacks);
-                let keys = DeviationKind::keys(lacking.map(|(kind, _)| kind));
-                Some(format!("the sum lacks {keys}, which the spec asks for"))
+                Some(format!("the sum lacks {}, which the spec asks for", DeviationKind::keys(marked(lacks))))
             }
-            (Err(Unjudged::NoUncertainty), _) => Some(format!("the rule {rule} needs an uncertainty of every value")),
+            (Err(Unjudged::NoUncertainty(lacks)), _) => Some(rule.lacks_uncertainty(marked(lacks))),
             (Err(Unjudged::NoBound(open)), _) => Some(open.to_string()),
             (Ok(_), Some(Verdict::Indeterminate)) => Some(too_near(self.on, judged_by, rule)),
             (Ok(_), _) => None,
         }
     }
+}
+
+/// The errors that are marked, of each of [`DeviationKind::ALL`].
+fn marked(marks: [bool; DeviationKind::ALL.len()]) -> impl Iterator<Item = DeviationKind> {
+    DeviationKind::ALL.into_iter().zip(marks).filter_map(|(kind, is_marked)| is_marked.then_some(kind))
 }
 
 /// The quantity that a limit is on, in words.
@@ -204,7 +213,7 @@ pub struct Evaluation {
 }
 
 /// Why a part fails that its status rejects, where no limit is broken.
-pub const REJECTED: &str = "the table says that the part is rejected";
+pub const REJECTED: &str = "the table says that the part fails by its status";
 
 impl Evaluation {
     /// The limits that are open because their error is not given.

@@ -26,7 +26,7 @@ pub struct Counts {
     pub rows: u64,
     /// Parts within every limit.
     pub pass: u64,
-    /// Parts outside a limit, or rejected by their status.
+    /// Parts outside a limit, or that fail by their status.
     pub fail: u64,
     /// Of those, parts that break no limit on ΔCD and that their status rejects.
     pub fail_by_status: u64,

@@ -344,7 +344,8 @@ impl Plan {
             }
             Some(open) => format!("not judged: {open}"),
             None if !self.taken_as_exact().is_empty() && self.request.rule.needs_uncertainty() => {
-                format!("not judged: the rule {} needs an uncertainty of every value", self.request.rule)
+                let lacking = self.taken_as_exact().into_iter();
+                format!("not judged: {}", self.request.rule.lacks_uncertainty(lacking))
             }
             None => "not judged: a limit is on what the table does not have, or no bound is known, here or within the uncertainties".to_owned(),
         }

@@ -7,8 +7,8 @@
 //! kept up to a limit.
 
 use crate::quantity::{FM_PER_MM, Length};
-use crate::statistics::LengthMoments;
 use crate::statistics::capability::{FEWEST_PARTS, Normality};
+use crate::statistics::{LengthMoments, quantile_place};
 
 /// Bits of a magnitude behind its leading one that tell its bin: bins are 1/1024 of their values wide at most.
 const BIN_BITS: u32 = 10;
@@ -195,21 +195,32 @@ impl Statistics {
         self.moments.standard_deviation_fm().map(|deviation| deviation / FM_PER_MM)
     }
 
-    /// The value that a share `q` of the values does not exceed, mm, to 0.05 %.
+    /// The quantile of a share `q`, mm: interpolated between the order statistics about rank 1 + (n − 1) q, each to 0.05 %.
     #[must_use]
     pub fn quantile_mm(&self, q: f64) -> Option<f64> {
         if self.count() == 0 {
             return None;
         }
-        let rank = ((q * self.count() as f64).ceil() as u64).clamp(1, self.count());
-        let mut before = 0;
-        for (value, count) in self.bins() {
-            before += count;
-            if before >= rank {
-                return Some(value.clamp(millimetres(self.smallest), millimetres(self.largest)));
-            }
+        let (before, share) = quantile_place(q, self.count());
+        let low = self.order_statistic_mm(before);
+        Some(if share > 0.0 { low + share * (self.order_statistic_mm(before + 1) - low) } else { low })
+    }
+
+    /// The value that so many values lie before, mm, to 0.05 %; the smallest and the largest are exact.
+    fn order_statistic_mm(&self, before: u64) -> f64 {
+        let (smallest, largest) = (millimetres(self.smallest), millimetres(self.largest));
+        if before == 0 {
+            return smallest;
         }
-        self.max_mm()
+        if before + 1 >= self.count() {
+            return largest;
+        }
+        let mut counted = 0;
+        let reaches = |&(_, count): &(f64, u64)| {
+            counted += count;
+            counted > before
+        };
+        self.bins().find(reaches).map_or(largest, |(value, _)| value.clamp(smallest, largest))
     }
 
     /// The middle of each bin that is not empty, mm, and its count.

@@ -3,7 +3,9 @@
 use super::output::{End, UncertainOutput};
 use super::request::Request;
 use super::source::{Source, index_of};
-use crate::chance::{MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate};
+use crate::chance::{
+    MOST_ADAPTIVE_OF_MANY, MonteCarloError, PartSimulation, Settings, Simulation, simulate_part, validate,
+};
 use crate::deviation::{DeviationKind, DeviationValue};
 use crate::diagnostic::{Code, Diagnostic, Diagnostics};
 use crate::formula::PartDeviation;
@@ -18,7 +20,7 @@ use crate::uncertainty::{Point, Propagator, Spreads, TeethSensitivity, Uncertain
 pub(super) struct RowUncertainty {
     pub(super) spreads: Spreads,
     simulation: Option<PartSimulation>,
-    /// Whether the simulation confirms the linear result for both ends of the combination.
+    /// Whether the simulation confirms the linear result for both ends of the combination; `None` where it leaves that open.
     pub(super) validated: Option<bool>,
 }
 
@@ -84,7 +86,8 @@ impl Uncertain {
         };
         let propagator = Propagator::new(&part, uncertainties).map_err(Diagnostic::with_code(Code::NoResult))?;
         // every part has a core of its own
-        let monte_carlo = request.monte_carlo.map(|settings| Settings { threads: Some(1), ..settings });
+        let of_one = |settings| Settings { threads: Some(1), most_draws: MOST_ADAPTIVE_OF_MANY, ..settings };
+        let monte_carlo = request.monte_carlo.map(of_one);
         let teeth = spec.teeth_sensitivities.clone();
         Ok(Self { propagator, over_pin, monte_carlo, request: request.clone(), basis: basis.clone(), teeth })
     }
@@ -122,7 +125,8 @@ impl Uncertain {
         let propagation = self.propagator.propagation(&errors)?;
         let digits = simulation.outcome.digits;
         let ends = [(&propagation.lower, simulation.lower()), (&propagation.upper, simulation.upper())];
-        let validated = ends.into_iter().all(|(linear, simulated)| validate(linear, simulated, digits).validated);
-        Ok(RowUncertainty { spreads, simulation: Some(simulation), validated: Some(validated) })
+        let of_ends = ends.map(|(linear, simulated)| validate(linear, simulated, digits).by(&simulation.outcome));
+        let validated = if of_ends.contains(&Some(false)) { Some(false) } else { of_ends[0].and(of_ends[1]) };
+        Ok(RowUncertainty { spreads, simulation: Some(simulation), validated })
     }
 }

@@ -35,6 +35,11 @@ pub const DEFAULT_DIGITS: u32 = 2;
 /// The most draws that may be asked for.
 pub const MOST_DRAWS: u64 = 2_000_000_000;
 
+/// The most draws of an adaptive simulation: a part with an uncertain gear takes some 3 µs a draw on a core.
+pub const MOST_ADAPTIVE: u64 = 1_600_000;
+/// The most draws of an adaptive simulation of one of many parts.
+pub const MOST_ADAPTIVE_OF_MANY: u64 = 100_000;
+
 /// How to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
@@ -42,6 +47,8 @@ pub struct Settings {
     pub seed: u64,
     /// The number of draws; `None` for as many as the digits need.
     pub draws: Option<u64>,
+    /// The most draws where no number is given, 20 000 or more.
+    pub most_draws: u64,
     /// Significant digits of the standard uncertainty that must be stable, 1 to 4.
     pub digits: u32,
     /// Threads; `None` for one per core. Does not change the result.
@@ -50,7 +57,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { seed: DEFAULT_SEED, draws: None, digits: DEFAULT_DIGITS, threads: None }
+        Self { seed: DEFAULT_SEED, draws: None, most_draws: MOST_ADAPTIVE, digits: DEFAULT_DIGITS, threads: None }
     }
 }
 
@@ -134,12 +141,51 @@ pub struct Outcome {
     pub draws: u64,
     /// Digits asked for.
     pub digits: u32,
-    /// Whether an adaptive simulation reached its digits; `None` if the number of draws was given.
-    pub reached: Option<bool>,
+    /// How many times δ/5 an adaptive simulation is off, with the tolerance δ of its digits: at most 1 where it reached them;
+    /// `None` if the number of draws was given.
+    pub excess: Option<f64>,
     /// One per result.
     pub results: Vec<Simulation>,
     /// The share of the draws inside each band.
     pub inside: Vec<f64>,
+}
+
+impl Outcome {
+    /// Whether an adaptive simulation reached its digits, to the fifth of their tolerance that a validation needs (JCGM 101, 8.2);
+    /// `None` if the number of draws was given.
+    #[must_use]
+    pub fn reached(&self) -> Option<bool> {
+        self.excess.map(|excess| excess <= 1.0)
+    }
+
+    /// The digits of u that an adaptive simulation holds to their tolerance (JCGM 101, 7.9.4); `None` if the number of draws was given.
+    #[must_use]
+    pub fn stable_digits(&self) -> Option<u32> {
+        self.excess.map(|excess| self.digits_within(excess / 5.0))
+    }
+
+    /// The digits that an adaptive simulation with these draws reaches.
+    #[must_use]
+    pub fn reachable_digits(&self) -> Option<u32> {
+        self.excess.map(|excess| self.digits_within(excess))
+    }
+
+    /// The digits left of those asked for, if these are off by so many times their tolerance: one digit less allows ten times more.
+    fn digits_within(&self, excess: f64) -> u32 {
+        let within = |digits: &u32| excess <= libm::pow(10.0, f64::from(self.digits - digits));
+        (1..=self.digits).rev().find(within).unwrap_or(0)
+    }
+
+    /// The number of draws that would reach the digits, to two digits upwards; `None` where they are reached, the number was given, or
+    /// it is more than [`MOST_DRAWS`].
+    #[must_use]
+    pub fn needed_draws(&self) -> Option<u64> {
+        // errors shrink with the root of the number
+        let needed = self.excess.filter(|excess| *excess > 1.0).map(|excess| self.draws as f64 * excess * excess)?;
+        let unit = libm::pow(10.0, libm::floor(libm::log10(needed)) - 1.0);
+        let rounded = (needed / unit).ceil() * unit;
+        (rounded <= MOST_DRAWS as f64).then_some(rounded as u64)
+    }
 }
 
 /// Why there is no simulation.
@@ -203,6 +249,16 @@ pub struct Validation {
     pub tolerance: f64,
     /// Whether neither exceeds δ.
     pub validated: bool,
+    /// Whether twice the standard errors of the simulated ends leave that without doubt.
+    pub is_sure: bool,
+}
+
+impl Validation {
+    /// Whether the linear result is validated; `None` where a simulation that did not reach its digits leaves it in doubt.
+    #[must_use]
+    pub fn by(&self, outcome: &Outcome) -> Option<bool> {
+        (self.is_sure || outcome.reached() != Some(false)).then_some(self.validated)
+    }
 }
 
 /// Compares a linear result with a simulated one, to `digits` digits of the standard uncertainty.
@@ -213,7 +269,13 @@ pub fn validate(linear: &Linear, simulation: &Simulation, digits: u32) -> Valida
     let distances = half.map(|half| ((linear.value_mm - half - low).abs(), (linear.value_mm + half - high).abs()));
     let tolerance = tolerance(simulation.standard, digits);
     let validated = distances.is_some_and(|(low, high)| low <= tolerance && high <= tolerance);
-    Validation { linear_half_width: half, distances, tolerance, validated }
+    let (of_low, of_high) = simulation.end_errors;
+    let is_sure = distances.is_none_or(|(low, high)| {
+        let ends = [(low, 2.0 * of_low), (high, 2.0 * of_high)];
+        let exceeds = ends.iter().any(|(distance, error)| distance - error > tolerance);
+        exceeds || ends.iter().all(|(distance, error)| distance + error <= tolerance)
+    });
+    Validation { linear_half_width: half, distances, tolerance, validated, is_sure }
 }
 
 #[cfg(test)]

@@ -13,8 +13,6 @@ use crate::uncertainty::Distribution;
 
 /// Draws that are evaluated at a time: columns of this length stay in the fastest memory.
 const CHUNK: usize = 250;
-/// Blocks after which an adaptive simulation gives up refining.
-const MOST_BLOCKS: u64 = 10_000;
 /// Blocks of the first round.
 const FIRST_BLOCKS: u64 = 10;
 
@@ -53,14 +51,17 @@ pub(crate) fn simulate_watched(
     if let Some(draws) = settings.draws {
         check("the number of draws", draws, 1, MOST_DRAWS)?;
     }
+    check("the most draws without a number", settings.most_draws, 2 * BLOCK, MOST_DRAWS)?;
+    let most = settings.most_draws / BLOCK;
     let run = SimulationRun { model, variables, bands, settings, ziggurat: Ziggurat::new() };
     let pilot = run.pilot()?;
     let mut total = Tally::new(&pilot, bands.len());
     let mut blocks = Vec::new();
     let wanted = settings.draws.map(|draws| draws.div_ceil(BLOCK));
     let (mut done, mut expected) = (0, wanted);
-    let reached = loop {
-        let upto = wanted.unwrap_or(if done == 0 { FIRST_BLOCKS } else { (2 * done).min(MOST_BLOCKS) });
+    let excess = loop {
+        let next = if done == 0 { FIRST_BLOCKS } else { 2 * done };
+        let upto = wanted.unwrap_or(next.min(most));
         let seen = |made: u64| watch(expected.map(|all| (done + made) as f64 / all as f64));
         run.blocks(done..upto, &pilot, &mut total, &mut blocks, &seen);
         done = upto;
@@ -72,13 +73,10 @@ pub(crate) fn simulate_watched(
             break None;
         }
         let excess = run.excess(&blocks, &pilot);
-        if excess <= 1.0 {
-            break Some(true);
+        if excess <= 1.0 || done >= most {
+            break Some(excess);
         }
-        expected = Some(blocks_for(done, excess));
-        if done >= MOST_BLOCKS {
-            break Some(false);
-        }
+        expected = Some(blocks_for(done, excess, most));
     };
     let draws = (done * BLOCK) as f64;
     let results = total
@@ -91,7 +89,7 @@ pub(crate) fn simulate_watched(
         })
         .collect();
     let inside = total.inside.iter().map(|&count| count as f64 / draws).collect();
-    Ok(Outcome { seed: settings.seed, draws: done * BLOCK, digits: settings.digits, reached, results, inside })
+    Ok(Outcome { seed: settings.seed, draws: done * BLOCK, digits: settings.digits, excess, results, inside })
 }
 
 /// The range of a result's values in the first block.
@@ -288,13 +286,13 @@ fn largest(one: f64, other: f64) -> f64 {
     if other.is_nan() || other > one { other } else { one }
 }
 
-/// The blocks after which an adaptive simulation is settled, if `done` leave it off by `excess` times the tolerance: errors shrink with
-/// the root of the number, which doubles.
-fn blocks_for(done: u64, excess: f64) -> u64 {
+/// The blocks after which an adaptive simulation is settled, or ends at the `most`, if `done` leave it off by `excess` times the
+/// tolerance: errors shrink with the root of the number, which doubles.
+fn blocks_for(done: u64, excess: f64, most: u64) -> u64 {
     let needed = done as f64 * excess * excess;
     let mut upto = done;
-    while (upto as f64) < needed && upto < MOST_BLOCKS {
-        upto = (2 * upto).min(MOST_BLOCKS);
+    while (upto as f64) < needed && upto < most {
+        upto = (2 * upto).min(most);
     }
     upto
 }

@@ -172,7 +172,7 @@ fn near_zero_the_simulation_does_not_validate_the_linear_result() {
     // draws until their digits are reached, too
     let adaptive =
         simulate_part(&part, &uncertainties, &Vec::new(), &Settings { digits: 1, ..Settings::default() }).unwrap();
-    assert_eq!(adaptive.outcome.reached, Some(true));
+    assert_eq!(adaptive.outcome.reached(), Some(true));
     assert!(!validate(&linear.upper, adaptive.upper(), 1).validated);
     let (mean, deviation) = folded_normal(0.0, 0.001 * gain);
     assert!((simulated.upper().mean / mean - 1.0).abs() < 0.01);
@@ -188,7 +188,7 @@ fn the_same_bits_at_any_number_of_threads() {
     let limits = vec![(LimitTarget::CenterDistance, Limit::symmetric(length("0.047")))];
     for draws in [None, Some(230_000)] {
         let with = |threads, seed| {
-            let settings = Settings { threads: Some(threads), seed, draws, digits: 1 };
+            let settings = Settings { threads: Some(threads), seed, draws, digits: 1, ..Settings::default() };
             simulate_part(&part, &uncertainties, &limits, &settings).unwrap()
         };
         let one = with(1, 7);
@@ -281,15 +281,36 @@ fn rounds_double_until_the_digits_hold() {
         simulate(&Function(|x: &[f64]| x[0]), &variables, &[], &settings).unwrap()
     };
     let adaptive = with(None);
-    assert_eq!((adaptive.draws, adaptive.reached), (400_000, Some(true)));
+    assert_eq!((adaptive.draws, adaptive.reached()), (400_000, Some(true)));
     let given = with(Some(399_999));
-    assert_eq!((given.draws, given.reached), (400_000, None));
+    assert_eq!((given.draws, given.reached()), (400_000, None));
     assert_eq!(given.results, adaptive.results);
     let result = &given.results[0];
     assert!(
         (result.histogram.quantile(0.5) - 3.0).abs() < 0.1
             && (result.histogram.quantile(0.841_344_746) - 12.5).abs() < 0.1
     );
+}
+
+/// At the most draws a simulation says what holds: 2.67 u/√n of 400 000 draws is 0.42 of a fifth of the tolerance of one digit of
+/// u = 9.5, ten times that of two digits, and takes 25 million draws to reach it.
+#[test]
+fn the_most_draws_say_which_digits_hold() {
+    let variables = Variables { variables: vec![(3.0, Uncertainty::standard(9.5))], factor: None };
+    let at_most = |most_draws, digits| {
+        let settings = Settings { digits, most_draws, ..Settings::default() };
+        simulate(&Function(|x: &[f64]| x[0]), &variables, &[], &settings)
+    };
+    let outcome = at_most(400_000, 2).unwrap();
+    assert_eq!((outcome.draws, outcome.reached()), (400_000, Some(false)));
+    assert_eq!((outcome.stable_digits(), outcome.reachable_digits()), (Some(1), Some(1)));
+    let needed = outcome.needed_draws().unwrap();
+    assert!((15_000_000..40_000_000).contains(&needed) && needed % 1_000_000 == 0, "{needed}");
+    let four = at_most(20_000, 4).unwrap();
+    assert_eq!((four.draws, four.stable_digits(), four.needed_draws()), (20_000, Some(1), None));
+    let one = at_most(1_000_000, 1).unwrap();
+    assert_eq!((one.reached(), one.stable_digits(), one.needed_draws()), (Some(true), Some(1), None));
+    assert!(matches!(at_most(10_000, 1), Err(MonteCarloError::Setting { least: 20_000, .. })));
 }
 
 /// Values where the quantity may be, with the deviations of their distributions.

@@ -32,7 +32,7 @@ pub(super) struct JudgeArgs {
     /// Decision rule: simple, iso14253 or guard=VALUE; else the spec's.
     #[arg(long, value_name = "RULE", value_parser = rule)]
     rule: Option<Rule>,
-    /// Uncertainty of ΔCD by simulation (JCGM 101), with N draws.
+    /// Uncertainty of ΔCD by simulation (JCGM 101) with N draws; without N as many as --digits needs, at most 1600000, of a table 100000 a part.
     #[arg(long, value_name = "N", num_args = 0..=1)]
     #[expect(clippy::option_option, reason = "not given, given without a number, given with one")]
     monte_carlo: Option<Option<OsString>>,
@@ -100,7 +100,7 @@ impl JudgeArgs {
                     .help("write it as 1000000 or 1e6, or leave it out for as many as are needed")
             })?),
         };
-        Ok(Some(Settings { seed: self.seed, draws, digits: self.digits, threads: None }))
+        Ok(Some(Settings { seed: self.seed, draws, digits: self.digits, ..Settings::default() }))
     }
 
     /// Evaluates a part's errors and decides by the rule, with their uncertainties (`None` without any). Where nothing is left to
@@ -132,7 +132,10 @@ impl JudgeArgs {
         let (spec, bar) = (plan.spec_of(part), SharedBar::new(output));
         let (mut evaluation, uncertainty) = self.judged(&spec, &spec.part_deviations()?, &spec.basis()?, &bar)?;
         let lacking = &plan.lacking;
-        let why = if lacking.is_empty() { Unjudged::NoUncertainty } else { Unjudged::lacking(lacking) };
+        let why = match lacking.is_empty() {
+            true => Unjudged::without_uncertainty(&plan.taken_as_exact()),
+            false => Unjudged::lacking(lacking),
+        };
         plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
         Ok((spec, evaluation, uncertainty))
     }
@@ -166,7 +169,7 @@ impl JudgeArgs {
         let known = if open.is_some() { None } else { self.known((errors, basis), spec, &mut evaluation, bar)? };
         if rule.needs_uncertainty() && known.is_none() {
             // an open range has no uncertainty, without which some rules decide on no error either
-            let why = open.map_or(Unjudged::NoUncertainty, Unjudged::NoBound);
+            let why = open.map_or(Unjudged::without_uncertainty(&[]), Unjudged::NoBound);
             spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, why));
         } else if known.is_some() || rule != Rule::Simple {
             let simulated = known.as_ref().and_then(|known| known.simulation.as_ref());
@@ -181,8 +184,10 @@ impl JudgeArgs {
     /// Leaves the verdicts on a spec's errors open if the rule needs an uncertainty that a value lacks, with a note of the value.
     pub(super) fn leave_open_without_uncertainty(&self, spec: &Spec, evaluation: &mut Evaluation) -> Option<String> {
         let rule = self.rule(spec);
-        let note = spec.note_of_exact(&spec.taken_as_exact(), Some(&rule)).filter(|_| rule.needs_uncertainty())?;
-        spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, Unjudged::NoUncertainty));
+        let exact = spec.taken_as_exact();
+        let note = spec.note_of_exact(&exact, Some(&rule)).filter(|_| rule.needs_uncertainty())?;
+        let why = Unjudged::without_uncertainty(&exact);
+        spec.limits().into_iter().for_each(|(on, _)| evaluation.leave_open(on, why));
         Some(note)
     }
 

@@ -104,7 +104,7 @@ pub struct Check {
 
 impl Check {
     /// The largest distance of the values outside the limit; infinite without values.
-    fn beyond(&self) -> f64 {
+    pub(super) fn beyond(&self) -> f64 {
         let Judged::Values([smallest, largest]) = self.judged else { return f64::INFINITY };
         let below = self.bounds.lower.map(|lower| lower - smallest);
         let above = self.bounds.upper.map(|upper| largest - upper);

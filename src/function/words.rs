@@ -36,8 +36,12 @@ impl Check {
             Judged::Values(values) => {
                 let [smallest, largest] = values.map(|value| self.on.in_words(value));
                 let shown = if smallest == largest { largest } else { format!("{smallest} … {largest}") };
-                let came = if self.verdict == Some(Verdict::Pass) { "is within" } else { "leaves" };
-                format!("{what}: {shown} {unit} {came} the limit ({limit}; {scope})")
+                let came = match self.beyond() {
+                    _ if self.verdict == Some(Verdict::Pass) => "is within the limit".to_owned(),
+                    by if by > 0.0 => format!("leaves the limit by {} {unit}", self.on.in_words(by)),
+                    _ => "leaves the limit".to_owned(),
+                };
+                format!("{what}: {shown} {unit} {came} ({limit}; {scope})")
             }
             Judged::NoSetting => {
                 format!("{what}: no position of the plug keeps {limit}, because ΔCD varies by more ({scope})")
@@ -62,7 +66,7 @@ impl Check {
             Judged::Unsolved => "not judged, because some strokes are not solved".to_owned(),
             Judged::Rolls => "not judged for a rack that may roll".to_owned(),
             Judged::NotProven => {
-                "not proven: the bound of ΔCD is too wide for a pass, and no placement that was found fails".to_owned()
+                "not proven: the bound of ΔCD is too wide for a pass, and no placement that was found fails; measured teeth decide it".to_owned()
             }
             Judged::Values(_) | Judged::NoSetting | Judged::SomeSetting => return None,
         };

@@ -3,6 +3,7 @@
 //! Called after an evaluation, with the uncertainty of its results; propagates nothing itself.
 
 use super::{Interval, Limit, Verdict};
+use crate::deviation::DeviationKind;
 use crate::quantity::{Length, LengthUnit, QuantityError, plain};
 use crate::statistics::{bivariate_normal_cdf, normal_cdf, student_cdf};
 
@@ -30,6 +31,15 @@ impl Rule {
     #[must_use]
     pub const fn needs_uncertainty(&self) -> bool {
         matches!(self, Self::Iso14253)
+    }
+
+    /// Why the rule judges nothing without the uncertainties of these errors.
+    pub(crate) fn lacks_uncertainty(&self, of: impl Iterator<Item = DeviationKind>) -> String {
+        let needs = format!("the rule {self} needs an uncertainty of every value");
+        match DeviationKind::keys(of) {
+            keys if keys.is_empty() => needs,
+            keys => format!("{needs}, and none is given of {keys}"),
+        }
     }
 
     /// The rule's name for people.

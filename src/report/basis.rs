@@ -4,7 +4,7 @@ use super::grounds::{Assumption, assumptions};
 use super::judged_without;
 use super::number::grouped;
 use super::uncertainty::rule_words;
-use crate::batch::{Counts, Plan};
+use crate::batch::{Outcome, Plan};
 use crate::deviation::DeviationKind;
 use crate::function::YokeJudge;
 use crate::judge::{LimitTarget, Limits, Rule, Stack};
@@ -74,7 +74,8 @@ impl Basis {
     }
 
     /// A remark on limits that are not judged, or on how many parts they are not judged.
-    pub(crate) fn unjudged_sentence(&self, counts: &Counts) -> Option<String> {
+    pub(crate) fn unjudged_sentence(&self, outcome: &Outcome) -> Option<String> {
+        let counts = &outcome.counts;
         let names: Vec<_> = self.unjudged.iter().map(ToString::to_string).collect();
         if !names.is_empty() {
             let missing = match DeviationKind::keys(self.lacking.iter().copied()) {
@@ -87,8 +88,16 @@ impl Basis {
         has_open.then(|| {
             let parts = if counts.unjudged == 1 { "part has" } else { "parts have" };
             let what = if self.is_yoke_limited() { "a limit that is open" } else { "no range to hold against a limit" };
-            format!("{} {parts} {what}", grouped(counts.unjudged))
+            // one that is told stands for the others
+            let told = outcome.worst.iter().filter(|part| part.verdict.is_none());
+            let why = told.filter_map(|part| part.reason.as_ref().map(|why| format!(": {}: {why}", part.id))).next();
+            format!("{} {parts} {what}{}", grouped(counts.unjudged), why.unwrap_or_default())
         })
+    }
+
+    /// What is counted: rows, each of which may be a part, or parts, where a row is a tooth.
+    pub(super) const fn row_or_part(&self) -> &'static str {
+        if self.stack.is_some() { "row" } else { "part" }
     }
 
     /// Whether something is asked of a yoke.

@@ -96,7 +96,11 @@ impl<'a> BatchReport<'a> {
         };
         let is_shown = |(name, count): &(&str, u64)| *count > 0 || matches!(*name, "rows" | "pass" | "fail");
         Table::of(self.outcome.counts.named().into_iter().filter(is_shown))
-            .text("parts", |(name, _)| if *name == "unjudged" { "without a verdict" } else { name })
+            .text("parts", |(name, _)| match *name {
+                "rows" => format!("{}s", self.basis.row_or_part()),
+                "unjudged" => "without a verdict".to_owned(),
+                name => name.to_owned(),
+            })
             .number("count", |(_, count)| grouped(*count))
             .number("share", |(_, count)| share(*count))
             .block()
@@ -242,8 +246,13 @@ impl<'a> BatchReport<'a> {
     pub fn verdict(&self) -> Block {
         let counts = &self.outcome.counts;
         let rejected = if counts.rejected > 0 {
-            let make = if counts.rejected == 1 { "makes" } else { "make" };
-            format!("; {} of {} rows {make} no part", grouped(counts.rejected), grouped(counts.rows))
+            let are = match (self.basis.row_or_part(), counts.rejected) {
+                ("row", 1) => "makes no part",
+                ("row", _) => "make no part",
+                (_, 1) => "is rejected",
+                _ => "are rejected",
+            };
+            format!("; {} of {} {are}", grouped(counts.rejected), counted(counts.rows, self.basis.row_or_part()))
         } else {
             String::new()
         };
@@ -254,11 +263,11 @@ impl<'a> BatchReport<'a> {
             let are = if count == 1 { "is" } else { "are" };
             format!("{} of {} {are} {how} a limit {judged_by}{rejected}", grouped(count), counted(parts, "part"))
         };
-        let unjudged = self.basis.unjudged_sentence(counts);
+        let unjudged = self.basis.unjudged_sentence(self.outcome);
         let is_incomplete = self.outcome.interrupted || self.outcome.is_cut;
         let is_open = counts.unjudged > 0 || counts.rejected > 0 || unjudged.is_some();
         let by_status = |count: u64| {
-            let are = if count == 1 { "is rejected by its" } else { "are rejected by their" };
+            let are = if count == 1 { "fails by its" } else { "fail by their" };
             format!("{} of {} {are} status", grouped(count), counted(parts, "part"))
         };
         let (verdict, sentence) = if counts.fail > 0 {
@@ -277,7 +286,7 @@ impl<'a> BatchReport<'a> {
                 (0, _) => "the table has no rows".to_owned(),
                 (_, Some(why)) => why,
                 _ if !self.basis.has_limits() => "there is no limit".to_owned(),
-                _ => "not every row could be judged".to_owned(),
+                _ => format!("not every {} could be judged", self.basis.row_or_part()),
             };
             (None, format!("{why}{rejected}"))
         } else {

@@ -216,7 +216,7 @@ fn doubts(basis: &Basis, outcome: &Outcome) -> Vec<Case> {
     let without_parts = || (outcome.counts.rows == 0).then_some("there were no parts to check");
     let incomplete = outcome.why_incomplete().or_else(without_parts);
     let incomplete = incomplete.map(|why| doubt(COMPLETE, "incomplete", why.to_owned()));
-    let unjudged = basis.unjudged_sentence(&outcome.counts);
+    let unjudged = basis.unjudged_sentence(outcome);
     let unjudged = unjudged.map(|why| doubt("every limit is judged", "unjudged", why));
     incomplete.into_iter().chain(unjudged).collect()
 }
@@ -250,15 +250,16 @@ pub fn github_annotations(basis: &Basis, outcome: &Outcome) -> String {
     };
     let _ = writeln!(
         text,
-        "::notice title=rackmesh batch::{} rows: {} pass, {} fail, {} indeterminate, {} without a verdict, {} rejected{}{}",
+        "::notice title=rackmesh batch::{} {}s: {} pass, {} fail, {} indeterminate, {} without a verdict, {} rejected{}{}",
         counts.rows,
+        basis.row_or_part(),
         counts.pass,
         counts.fail,
         counts.indeterminate,
         counts.unjudged,
         counts.rejected,
         left_out(counts.fail + counts.indeterminate, "parts that do not pass"),
-        left_out(counts.rejected, "rejected rows")
+        left_out(counts.rejected, &format!("rejected {}s", basis.row_or_part()))
     );
     text
 }

@@ -288,7 +288,7 @@ pub(super) const ON_WORST_TEETH: &str = "exact mesh, errors on the worst teeth t
 fn unjudged_text(unjudged: Unjudged) -> &'static str {
     match unjudged {
         Unjudged::NotGiven => "not given",
-        Unjudged::Lacking(_) | Unjudged::NoUncertainty => "not complete",
+        Unjudged::Lacking(_) | Unjudged::NoUncertainty(_) => "not complete",
         Unjudged::NoBound(_) => "open",
     }
 }

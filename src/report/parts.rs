@@ -98,7 +98,7 @@ pub fn parts_blocks(parts: &[Part], name: &str) -> Vec<Block> {
         |what: &str, all: Vec<String>| (!all.is_empty()).then(|| Block::Note(format!("{what}: {}.", all.join("; "))));
     let rejected = parts.iter().filter(|part| part.is_rejected).map(|part| part.id.clone()).collect();
     let lines = [
-        line("Rejected by their status", rejected),
+        line("Fail by their status", rejected),
         line("Nominal values", nominals),
         line("The same for each of these parts", same),
     ];

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::number::{millimetres, percent, tidy};
 use super::{Block, Column, Table};
-use crate::chance::{BLOCK, PartSimulation, Simulation, Validation, validate};
+use crate::chance::{BLOCK, Outcome, PartSimulation, Simulation, Validation, validate};
 use crate::deviation::DeviationKind;
 use crate::evaluation::LimitCheck;
 use crate::judge::rule::{Conformance, Decision, ISO_14253_FACTOR, ISO_14253_PROBABILITY};
@@ -88,7 +88,7 @@ impl UncertaintyPart {
         let mut blocks = vec![self.result_table()];
         // of one contribution there is nothing to share out
         blocks.extend((self.propagation.upper.contributions.len() > 1).then(|| self.budget_table()));
-        blocks.extend(self.simulation.as_ref().map(|_| self.simulation_table()));
+        blocks.extend(self.simulation.as_ref().map(|simulation| self.simulation_table(&simulation.outcome)));
         blocks.extend(self.notes().into_iter().map(Block::Remark));
         blocks
     }
@@ -99,7 +99,7 @@ impl UncertaintyPart {
             matches!(of.key, "lower" | "upper") || of.linear.dof.is_none() || of.linear.standard_mm > 0.0
         };
         let results: Vec<_> = self.results().into_iter().filter(is_shown).collect();
-        let with_dof = results.iter().any(|result| result.linear.dof.is_none_or(f64::is_finite));
+        let with_dof = results.iter().any(|result| result.linear.dof.is_none_or(|dof| dof < PRACTICALLY_INFINITE));
         let known = |linear: &Linear| linear.dof.map(|_| linear.standard_mm);
         let factor = |linear: &Linear| linear.coverage_factor.filter(|_| linear.standard_mm > 0.0);
         Table::of(results)
@@ -109,7 +109,7 @@ impl UncertaintyPart {
             .number("k", |of| factor(of.linear).map(|k| format!("{k:.2}")))
             .number("U = k u\n[µm]", |of| factor(of.linear).and(of.linear.expanded_mm()).map(micrometres))
             .column_if(with_dof, Column::number("ν_eff"), |of| match of.linear.dof {
-                Some(dof) if dof.is_finite() => format!("{dof:.1}"),
+                Some(dof) if dof < PRACTICALLY_INFINITE => format!("{dof:.1}"),
                 Some(_) => "∞".to_owned(),
                 None => "not known".to_owned(),
             })
@@ -143,11 +143,11 @@ impl UncertaintyPart {
             .block()
     }
 
-    fn simulation_table(&self) -> Block {
+    fn simulation_table(&self, outcome: &Outcome) -> Block {
         let interval = |(low, high): (f64, f64)| format!("{} … {}", millimetres(low), millimetres(high));
         let simulated = self.results().into_iter().filter_map(|UncertainResult { name, linear, simulated, .. }| {
             let simulated = simulated.filter(|simulated| simulated.standard != 0.0)?;
-            Some((name, simulated, validate(linear, simulated, self.digits()).validated))
+            Some((name, simulated, validate(linear, simulated, self.digits()).by(outcome)))
         });
         Table::of(simulated)
             .text("Monte Carlo", |(name, ..)| name.clone())
@@ -155,7 +155,11 @@ impl UncertaintyPart {
             .number("u\n[µm]", |(_, simulated, _)| micrometres(simulated.standard))
             .number("95 %, symmetric\n[mm]", |(_, simulated, _)| interval(simulated.symmetric))
             .number("95 %, shortest\n[mm]", |(_, simulated, _)| interval(simulated.shortest))
-            .text("linear result", |(.., validated)| if *validated { "validated" } else { "not validated" })
+            .text("linear result", |(.., validated)| match validated {
+                Some(true) => "validated",
+                Some(false) => "not validated",
+                None => "too few draws to say",
+            })
             .block()
     }
 
@@ -199,10 +203,10 @@ impl UncertaintyPart {
         }
         if let Some(simulation) = &self.simulation {
             let outcome = &simulation.outcome;
-            let how = match outcome.reached {
+            let how = match outcome.reached() {
                 None => format!("as many as asked for, in blocks of {BLOCK}"),
                 Some(true) => format!("adaptive, {} digits of u reached", outcome.digits),
-                Some(false) => format!("adaptive, {} digits of u NOT reached", outcome.digits),
+                Some(false) => format!("adaptive, ended at the most; {}", not_reached(outcome)),
             };
             let errors = upper_error(simulation);
             notes.push(format!(
@@ -303,7 +307,7 @@ impl UncertaintyPart {
                     "seed": outcome.seed,
                     "draws": outcome.draws,
                     "digits": outcome.digits,
-                    "digits_reached": outcome.reached,
+                    "digits_reached": outcome.reached(),
                 })
             }),
             "taken_as_exact": self.taken_as_exact.iter().map(|kind| kind.key()).collect::<Vec<_>>(),
@@ -323,6 +327,23 @@ pub(super) const COLUMNS: &str = "standard_uncertainty_mm expanded_uncertainty_m
                                   monte_carlo_lower_mm=monte_carlo/symmetric_95_mm/lower \
                                   monte_carlo_upper_mm=monte_carlo/symmetric_95_mm/upper \
                                   linear_validated=monte_carlo/linear_validated";
+
+/// Degrees of freedom that are shown as ∞: Student's factor differs from the normal one by less than 3e-6.
+const PRACTICALLY_INFINITE: f64 = 1e6;
+
+/// What an adaptive simulation at its most draws lacks, and what to do.
+fn not_reached(outcome: &Outcome) -> String {
+    let (digits, stable) = (outcome.digits, outcome.stable_digits().unwrap_or(0));
+    let lacks = if stable == digits {
+        format!("u is stable to {digits} digits, but not to the fifth of their tolerance that a validation needs")
+    } else {
+        format!("u is stable to {stable} of {digits} digits")
+    };
+    let fewer = outcome.reachable_digits().filter(|digits| *digits > 0).map(|digits| format!("--digits {digits}"));
+    let more = outcome.needed_draws().map(|draws| format!("--monte-carlo {draws}"));
+    let remedies: Vec<_> = fewer.into_iter().chain(more).collect();
+    if remedies.is_empty() { lacks } else { format!("{lacks}: ask for {}", remedies.join(" or ")) }
+}
 
 fn upper_error(simulation: &PartSimulation) -> f64 {
     let (low, high) = simulation.upper().end_errors;

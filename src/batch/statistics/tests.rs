@@ -39,13 +39,33 @@ fn quantiles_are_within_their_bound() {
     let mut values: Vec<i64> = (0..10_000i64).map(|n| (n * n * 13_131) % 200_000_000_000 - 50_000_000_000).collect();
     let statistics = of(values.iter().copied());
     values.sort_unstable();
-    for (q, rank) in QUANTILES.into_iter().zip([14, 100, 500, 2500, 5000, 7500, 9500, 9900, 9987]) {
-        let exact = values[rank - 1];
+    for (q, place) in
+        QUANTILES.into_iter().zip([13.498_65, 99.99, 499.95, 2499.75, 4999.5, 7499.25, 9499.05, 9899.01, 9985.501_35])
+    {
+        let below = place as usize;
+        let [low, high] = [below, below + 1].map(|index| millimetres(values[index]));
+        let exact = low + (place - below as f64) * (high - low);
         let found = statistics.quantile_mm(q).unwrap();
-        assert!((found - millimetres(exact)).abs() <= 0.0005 * millimetres(exact).abs(), "{q}: {found} {exact}");
+        assert!((found - exact).abs() <= 0.0005 * low.abs().max(high.abs()), "{q}: {found} {exact}");
     }
     let counts = statistics.histogram(-0.06, 0.16, 4);
     assert_eq!(counts.iter().sum::<u64>(), 10_000);
+}
+
+/// Between the two values in the middle of an even number; ends and values on a rank are those themselves.
+#[test]
+fn quantiles_lie_between_neighbours() {
+    let um = |values: &[i64]| of(values.iter().map(|value| value * 1_000_000_000));
+    let near =
+        |found: Option<f64>, exact: f64| assert!((found.unwrap() / exact - 1.0).abs() < 5e-4, "{found:?} {exact}");
+    let four = um(&[100, 0, 20, 10]);
+    near(four.quantile_mm(0.5), 0.015);
+    near(four.quantile_mm(0.75), 0.04);
+    near(four.quantile_mm(1.0 / 3.0), 0.01);
+    assert_eq!((four.quantile_mm(0.0), four.quantile_mm(1.0)), (Some(0.0), Some(0.1)));
+    near(um(&[10, 20]).quantile_mm(0.5), 0.015);
+    near(um(&[10, 20, 60]).quantile_mm(0.5), 0.02);
+    near(um(&[-30, -10, -10, -10]).quantile_mm(0.25), -0.015);
 }
 
 #[test]

@@ -114,7 +114,7 @@ impl TeethJudge {
         let mut lacks = [&self.lacking[..], &unmeasured].concat();
         lacks.retain(|_| !self.is_partial);
         let why = if lacks.is_empty() {
-            (lacks_uncertainty && !self.is_partial).then_some(Unjudged::NoUncertainty)
+            (lacks_uncertainty && !self.is_partial).then(|| Unjudged::without_uncertainty(&spec.teeth_taken_as_exact))
         } else {
             Some(Unjudged::lacking(&lacks))
         };

@@ -437,7 +437,7 @@ pub(super) fn status(outcome: &Outcome, basis: &Basis, unread: bool) -> Status {
         Status::Undecided
     } else if counts.fail > 0 {
         Status::Fail
-    } else if basis.unjudged_sentence(counts).is_some() {
+    } else if basis.unjudged_sentence(outcome).is_some() {
         Status::Undecided
     } else if counts.indeterminate > 0 {
         Status::Indeterminate

@@ -8,7 +8,7 @@ const TOOTHED: &str = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n
     [pinion]\nteeth = 8\nhelix_angle = 21\nprofile_shift = 0.3\nface_width = 30\ntip_diameter = 19.738\n";
 const LIMIT: &str = "[limits]\ncenter_distance = \"±0.1\"\n";
 const STATUS: &str = "[table.columns]\nstatus = { name = \"Bewertung\", accept = [\"i.O.\"], reject = [\"n.i.O.\"] }\n";
-const WHY: &str = "the table says that the part is rejected";
+const WHY: &str = "the table says that the part fails by its status";
 
 /// Twelve spaces without a deviation; the status of the space with this number is another one.
 fn spaces(rejected: i64) -> String {
@@ -39,7 +39,7 @@ fn one_rejected_tooth_rejects_its_part() {
         let spec = format!("{TOOTHED}{limit}{STATUS}");
         for ended in judged(&folder, &spec, &spaces(7), &all) {
             assert_eq!(ended.code, Some(1), "{}{}", ended.stdout, ended.stderr);
-            let said = [WHY, "1 of 1 part is rejected by its status"];
+            let said = [WHY, "1 of 1 part fails by its status"];
             assert!(said.iter().any(|why| ended.stdout.contains(why)), "{}", ended.stdout);
         }
     }
@@ -89,10 +89,10 @@ fn a_summary_says_who_rejects() {
         judged(&folder, &spec, &table, &[&["batch", "--summary"], &["report"]])
     };
     let cases = [
-        ("A;25,011;n.i.O.\n", "1 of 1 part is rejected by its status"),
-        ("A;25,011;n.i.O.\nB;25,02;n.i.O.\nC;25,02;i.O.\n", "2 of 3 parts are rejected by their status"),
+        ("A;25,011;n.i.O.\n", "1 of 1 part fails by its status"),
+        ("A;25,011;n.i.O.\nB;25,02;n.i.O.\nC;25,02;i.O.\n", "2 of 3 parts fail by their status"),
         ("A;25,4;n.i.O.\n", "1 of 1 part is outside a limit (judged by the worst case)"),
-        ("A;25,4;i.O.\nB;25,02;n.i.O.\n", "1 of 2 parts is rejected by its status; 1 of 2 parts is outside a limit"),
+        ("A;25,4;i.O.\nB;25,02;n.i.O.\n", "1 of 2 parts fails by its status; 1 of 2 parts is outside a limit"),
     ];
     for (rows, expected) in cases {
         for ended in of(rows) {
@@ -110,7 +110,7 @@ fn a_page_names_the_part_that_its_status_rejects() {
     let table = format!("Teil;Rollenmaß [mm];Bewertung\n{inside}BAD;25,000;n.i.O.\n");
     for ended in judged(&folder, &format!("{SPEC}{LIMIT}{STATUS}"), &table, &[&["report"]]) {
         let worst = ended.stdout.split_once("The worst").expect("a list").1;
-        assert!(ended.code == Some(1) && worst.contains("Rejected by their status: BAD."), "{}", ended.stdout);
+        assert!(ended.code == Some(1) && worst.contains("Fail by their status: BAD."), "{}", ended.stdout);
         assert!(worst.find("BAD") < worst.find("P11"), "{worst}");
     }
 }
