@@ -298,7 +298,7 @@ fn rounds_double_until_the_digits_hold() {
 fn the_most_draws_say_which_digits_hold() {
     let variables = Variables { variables: vec![(3.0, Uncertainty::standard(9.5))], factor: None };
     let at_most = |most_draws, digits| {
-        let settings = Settings { digits, most_draws, ..Settings::default() };
+        let settings = Settings { most_draws, digits, ..Settings::default() };
         simulate(&Function(|x: &[f64]| x[0]), &variables, &[], &settings)
     };
     let outcome = at_most(400_000, 2).unwrap();

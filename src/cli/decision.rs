@@ -132,9 +132,10 @@ impl JudgeArgs {
         let (spec, bar) = (plan.spec_of(part), SharedBar::new(output));
         let (mut evaluation, uncertainty) = self.judged(&spec, &spec.part_deviations()?, &spec.basis()?, &bar)?;
         let lacking = &plan.lacking;
-        let why = match lacking.is_empty() {
-            true => Unjudged::without_uncertainty(&plan.taken_as_exact()),
-            false => Unjudged::lacking(lacking),
+        let why = if lacking.is_empty() {
+            Unjudged::without_uncertainty(&plan.taken_as_exact())
+        } else {
+            Unjudged::lacking(lacking)
         };
         plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
         Ok((spec, evaluation, uncertainty))

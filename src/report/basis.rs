@@ -89,8 +89,8 @@ impl Basis {
             let parts = if counts.unjudged == 1 { "part has" } else { "parts have" };
             let what = if self.is_yoke_limited() { "a limit that is open" } else { "no range to hold against a limit" };
             // one that is told stands for the others
-            let told = outcome.worst.iter().filter(|part| part.verdict.is_none());
-            let why = told.filter_map(|part| part.reason.as_ref().map(|why| format!(": {}: {why}", part.id))).next();
+            let mut told = outcome.worst.iter().filter(|part| part.verdict.is_none());
+            let why = told.find_map(|part| part.reason.as_ref().map(|why| format!(": {}: {why}", part.id)));
             format!("{} {parts} {what}{}", grouped(counts.unjudged), why.unwrap_or_default())
         })
     }

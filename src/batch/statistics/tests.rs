@@ -40,7 +40,7 @@ fn quantiles_are_within_their_bound() {
     let statistics = of(values.iter().copied());
     values.sort_unstable();
     for (q, place) in
-        QUANTILES.into_iter().zip([13.498_65, 99.99, 499.95, 2499.75, 4999.5, 7499.25, 9499.05, 9899.01, 9985.501_35])
+        QUANTILES.into_iter().zip([13.498_65, 99.99, 499.95, 2499.75, 4999.5, 7499.25, 9499.05, 9899.01, 9_985.501_35])
     {
         let below = place as usize;
         let [low, high] = [below, below + 1].map(|index| millimetres(values[index]));

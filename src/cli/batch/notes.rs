@@ -1,6 +1,7 @@
 //! The remarks on the result of a batch: what the tables lack, what every part has, why there is no range.
 
 use crate::batch::Plan;
+use crate::chance::MOST_ADAPTIVE_OF_MANY;
 use crate::cli::output::Output;
 use crate::deviation::DeviationKind;
 use crate::diagnostic::{Code, Diagnostic};
@@ -42,6 +43,13 @@ pub(in crate::cli) fn notes(spec: &Spec, plan: &Plan) -> Vec<String> {
     notes.extend(spec.circles_in_words(&plan.errors().collect::<Vec<_>>()));
     let refused_by = Some(&plan.request.rule).filter(|rule| rule.needs_uncertainty() && !plan.unjudged.is_empty());
     notes.extend(spec.note_of_exact(&plan.taken_as_exact(), refused_by));
+    if let Some(settings) = plan.request.monte_carlo.filter(|settings| settings.draws.is_none()) {
+        notes.push(format!(
+            "random draws of a part end at {MOST_ADAPTIVE_OF_MANY}, where u may not be stable to {} digits; linear_validated is empty \
+             where these leave it open: --digits 1 needs fewer, --monte-carlo N makes more",
+            settings.digits
+        ));
+    }
     if let Some(open) = plan.open() {
         let missing = spec.missing_geometry().into_iter().map(|key| format!("`{key}`")).collect::<Vec<_>>();
         let is_judged = plan.limits.iter().all(|(on, _)| *on != LimitTarget::CenterDistance);

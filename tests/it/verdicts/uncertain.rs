@@ -118,7 +118,7 @@ fn a_rule_needs_an_uncertainty_of_every_value() {
     let (path, table) = (folder.path("spec.toml"), folder.path("part.csv"));
     std::fs::write(&table, "part_id,rack_over_roller [um],rack_pitch [um]\nA,13,12\n").expect("written");
     for (pitch, code, reason) in [
-        ("\"12 um\"", 2, "the rule iso14253 needs an uncertainty of every value"),
+        ("\"12 um\"", 2, "the rule iso14253 needs an uncertainty of every value, and none is given of rack_pitch"),
         ("{ value = \"12 um\", u = 0 }", 0, ""),
     ] {
         let spec = format!(
