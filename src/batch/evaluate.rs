@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::layout::Layout;
 use super::meshed::Meshes;
-use super::outcome::{Part, PartError, Problem, Tally, keep_worst, may_be_worst};
+use super::outcome::{Part, PartError, Problem, Tally, badness, keep_worst, may_be_worst};
 use super::output::Output;
 use super::plan::Plan;
 use super::request::{Request, Rows};
@@ -20,7 +20,7 @@ use crate::deviation::plausible::Reach;
 use crate::deviation::{DeviationValue, DeviationValues};
 use crate::judge::Verdict;
 use crate::judge::bound::ChangingErrors;
-use crate::quantity::{LARGEST, Length, shown};
+use crate::quantity::{Length, shown};
 use crate::table::{Block, Fault};
 
 /// Evaluates the rows of blocks.
@@ -199,21 +199,20 @@ impl<'a> Evaluator<'a> {
         let verdict = results.verdicts[row.index];
         let is_kept = self.keeps(verdict);
         // most parts are not among the worst
-        let is_worst = |by: Length| may_be_worst(&self.tally.worst, by.mm());
         let fails_otherwise = results.fails_otherwise(row.index);
-        let may_be_worst = || fails_otherwise || results.inside_by(row.index).is_none_or(is_worst);
+        let bad = |by: Length| badness(verdict, fails_otherwise, by.mm());
+        let is_worst = |by: Length| may_be_worst(&self.tally.worst, bad(by));
+        let may_be_worst = || results.inside_by(row.index).is_none_or(is_worst);
         if !(is_kept || self.plan.request.statistics && may_be_worst()) {
             return;
         }
-        // a part that fails only by its yoke or its status is among the worst, whatever its ΔCD
-        let outside = |margin: Margin| Margin { inside_by: Length::from_fm(-LARGEST), on: None, ..margin };
-        let margin = results.margin(row.index).map(|margin| if fails_otherwise { outside(margin) } else { margin });
+        let margin = results.margin(row.index);
         let file = &self.file;
         let (plan, layout) = (self.plan, self.layout);
         let part =
             || Part { errors: errors(row.index, plan, layout, results, columns), ..kept(row, file, results, margin) };
         if let Some(margin) = margin.filter(|_| self.plan.request.statistics) {
-            keep_worst(&mut self.tally.worst, margin.inside_by.mm(), part);
+            keep_worst(&mut self.tally.worst, bad(margin.inside_by), part);
         }
         if is_kept {
             self.tally.parts.push(part());
@@ -307,5 +306,6 @@ fn kept(row: Row<'_>, file: &Arc<str>, results: &Results<'_>, margin: Option<Mar
         yoke: results.yoke(row.index).cloned(),
         judged_by: results.judged_by(row.index),
         is_rejected: row.block.failed.binary_search(&row.index).is_ok(),
+        fails_otherwise: results.fails_otherwise(row.index),
     }
 }

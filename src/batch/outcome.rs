@@ -172,6 +172,8 @@ pub struct Part {
     pub yoke: Option<Arc<JudgedYoke>>,
     /// Whether its status rejects it.
     pub is_rejected: bool,
+    /// Whether it fails by its status or a limit on its yoke, and breaks none on ΔCD.
+    pub fails_otherwise: bool,
 }
 
 /// An error of a part.
@@ -199,6 +201,25 @@ impl Part {
     pub fn is_not_passed(&self) -> bool {
         matches!(self.verdict, Some(Verdict::Fail | Verdict::Indeterminate))
     }
+
+    /// How bad it is.
+    pub(super) fn badness(&self) -> Badness {
+        badness(self.verdict, self.fails_otherwise, self.margin_mm)
+    }
+}
+
+/// How bad a part is, the lesser the worse: its rank, and its margin in mm.
+pub(super) type Badness = (u8, f64);
+
+/// Parts outside a limit on ΔCD, and those without a result, come before those that fail otherwise, and these before all others.
+#[inline]
+pub(super) fn badness(verdict: Option<Verdict>, fails_otherwise: bool, margin_mm: f64) -> Badness {
+    let rank = match verdict {
+        _ if fails_otherwise => 1,
+        Some(Verdict::Fail) => 0,
+        _ => u8::from(margin_mm > f64::NEG_INFINITY) * 2,
+    };
+    (rank, margin_mm)
 }
 
 /// Takes every part that is wanted, and every row that makes no part.
@@ -374,7 +395,7 @@ impl Total<'_> {
         self.outcome.failures.extend(tally.parts.drain(..).filter(Part::is_not_passed).take(room));
         for mut part in tally.worst.drain(..) {
             settle(&mut part.place);
-            keep_worst(&mut self.outcome.worst, part.margin_mm, || part);
+            keep_worst(&mut self.outcome.worst, part.badness(), || part);
         }
         for ((index, _), next) in self.followed.iter().zip(&tally.moving) {
             self.outcome.quantities[*index].statistics.moving.join(next);
@@ -398,18 +419,18 @@ impl Total<'_> {
 /// Parts that are kept as the worst.
 const WORST_KEPT: usize = 10;
 
-/// Whether a part with this margin is one of the worst; of equals the first stays.
+/// Whether a part that is this bad is one of the worst; of equals the first stays.
 #[inline]
-pub(super) fn may_be_worst(worst: &[Part], margin_mm: f64) -> bool {
-    worst.get(WORST_KEPT - 1).is_none_or(|last| last.margin_mm > margin_mm)
+pub(super) fn may_be_worst(worst: &[Part], badness: Badness) -> bool {
+    worst.get(WORST_KEPT - 1).is_none_or(|last| last.badness() > badness)
 }
 
-/// Adds a part with this margin to the worst if it is one; of equals the first stays.
+/// Adds a part that is this bad to the worst if it is one; of equals the first stays.
 #[inline]
-pub(super) fn keep_worst(worst: &mut Vec<Part>, margin_mm: f64, part: impl FnOnce() -> Part) {
-    if !may_be_worst(worst, margin_mm) {
+pub(super) fn keep_worst(worst: &mut Vec<Part>, badness: Badness, part: impl FnOnce() -> Part) {
+    if !may_be_worst(worst, badness) {
         return;
     }
     worst.truncate(WORST_KEPT - 1);
-    worst.insert(worst.partition_point(|other| other.margin_mm <= margin_mm), part());
+    worst.insert(worst.partition_point(|other| other.badness() <= badness), part());
 }

@@ -138,6 +138,7 @@ impl JudgeArgs {
             Unjudged::lacking(lacking)
         };
         plan.unjudged.iter().for_each(|on| evaluation.leave_open(*on, why));
+        evaluation.reject_if(part.is_rejected);
         Ok((spec, evaluation, uncertainty))
     }
 

@@ -96,12 +96,17 @@ pub(super) fn evaluated<'a>(
         output.diagnostic(&unjudged(spec, target));
     }
     let mut report = EvaluationReport::new(spec.title.as_deref(), evaluation, &spec.missing_geometry());
+    // of many remarks the first ones are shown
+    report.notes.splice(0..0, (!spec.scatter.is_empty()).then(|| NO_SCATTER.to_owned()));
     report.classes = spec.classes()?;
     report.notes.extend(spec.circles_in_words(&spec.kinds()));
     report.notes.extend(spec.suspicions_in_words().into_iter().chain(note_of_exact));
     report.uncertainty = uncertainty;
     Ok(report)
 }
+
+const NO_SCATTER: &str =
+    "[scatter] is not judged here: `rackmesh monte-carlo` draws racks by it, and counts those inside the limits";
 
 /// The exact mesh of the spec, in short.
 fn mesh_part(spec: &Spec, path: &Path, worst: Option<&WorstTeeth>, output: &mut Output) -> Result<MeshPart, Failure> {

@@ -73,15 +73,17 @@ pub(super) fn evaluated(
 /// Pitches on either side of the stroke at which errors were placed.
 const PITCHES: f64 = 3.0;
 
-/// Leaves the limits on a spec's yoke open, in a command that does not judge them.
-pub(super) fn leave_open(spec: &Spec, output: &mut Output) {
-    if let Some((on, bounds)) = spec.function_limits.first() {
-        let message =
-            format!("limits.{} is not judged here, where no curve of the mesh is solved for a yoke", on.name());
-        let why = Diagnostic::warning(Code::UnjudgedLimit, message);
-        let help = "`rackmesh mesh` judges it, with what the yoke does along the travel";
-        output.leave_open(&why.help(help).at(&spec.source, bounds.span.clone(), "stays open"));
-    }
+/// Leaves the limits on a spec's yoke open, in a command that does not judge them, and says so.
+pub(super) fn leave_open(spec: &Spec, output: &mut Output) -> Option<String> {
+    let (_, first) = spec.function_limits.first()?;
+    let names: Vec<_> = spec.function_limits.iter().map(|(on, _)| format!("limits.{}", on.name())).collect();
+    let (are, them) = if names.len() == 1 { ("is", "it") } else { ("are", "them") };
+    let open = format!("{} {are} not judged here", names.join(", "));
+    let why = format!("{open}, where no curve of the mesh is solved for a yoke");
+    let help = format!("`rackmesh mesh` judges {them}, with what the yoke does along the travel");
+    let why = Diagnostic::warning(Code::UnjudgedLimit, why).help(help);
+    output.leave_open(&why.at(&spec.source, first.span.clone(), "stays open"));
+    Some(open)
 }
 
 /// The outcome of a command that judged a yoke by these limits.

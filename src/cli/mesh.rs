@@ -188,7 +188,10 @@ pub(super) fn solved<'a>(
     Ok(MeshReport {
         title: None,
         mesh: &input.mesh,
-        over_pin: spec.nominal_over_pin().ok(),
+        over_pin: match spec.computed_over_pin() {
+            Some(computed) => Some(("measure M over the pin", computed)),
+            None => spec.nominal_over_pin().ok().map(|given| ("measure M over the pin, as given", given)),
+        },
         curve,
         listed: Vec::new(),
         prediction: prediction(input)?,

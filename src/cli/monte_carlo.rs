@@ -242,7 +242,8 @@ pub(super) fn contributions_of(
 ) -> Result<Contributions, Failure> {
     let (scatter, _) = spec.scatter()?;
     let (input, _) = base(spec, path, output)?;
-    let racks = Racks { base: &input.mesh, scatter: &scatter, limit: None, yoke: None };
+    let limit = spec.limit_on(LimitTarget::CenterDistance);
+    let racks = Racks { base: &input.mesh, scatter: &scatter, limit, yoke: None };
     contributions(&racks, &usual_settings(strokes), interruption, output)
 }
 

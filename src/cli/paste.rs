@@ -284,7 +284,6 @@ impl Args {
         if !plan.is_yoke_limited() {
             evaluation.verdict = part.verdict;
         }
-        evaluation.reject_if(part.is_rejected);
         let mut report = EvaluationReport::new(Some(title), evaluation, &spec.missing_geometry());
         report.uncertainty = uncertainty;
         report.yoke =

@@ -117,7 +117,8 @@ impl Args {
             let (strokes, interruption) = (self.stroke.ends(&spec)?, signals::interrupted(output));
             let found = monte_carlo::contributions_of((&spec, &self.spec), strokes, &interruption, output)?;
             let charts = vec![contributions::chart(&found, HEADING)];
-            page.sections.push(Section { charts, ..Section::new(HEADING, contributions::blocks(&found)) });
+            let blocks = [contributions::blocks(&found), contributions::inside(&found).into_iter().collect()].concat();
+            page.sections.push(Section { charts, ..Section::new(HEADING, blocks) });
             status = status.max(interruption.status().unwrap_or(status));
         }
         if !output.readings().is_empty() {
@@ -184,7 +185,10 @@ impl Args {
         let (spec, evaluation, uncertainty) = self.judge.of_part(plan, part, output)?;
         let report = EvaluationReport::new(None, evaluation, &spec.missing_geometry());
         let report = EvaluationReport { uncertainty, ..report };
-        let by_formula = Section::new(BY_FORMULA, report.blocks());
+        let by_status =
+            report.evaluation.rejection().map(|why| format!("the part fails by its status, not by ΔCD: {why}"));
+        let blocks = report.blocks().into_iter().chain(by_status.map(Block::Remark)).collect();
+        let by_formula = Section::new(BY_FORMULA, blocks);
         let worst = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?;
         for mut section in [by_formula, self.mesh(&spec, report.evaluation, worst.as_ref(), output)?.0] {
             section.heading = format!("{}: part {}", section.heading, part.id);
@@ -391,6 +395,7 @@ impl Args {
         let (outcome, written) = teeth.finish(interruption.stop(), &mut |progress| bar.show(progress));
         bar.finish();
         written?;
+        let facts = details(spec, &Detail::of_teeth(spec, &outcome.readings), has_names);
         let Histograms { judged, level, .. } = Histograms::of(&outcome);
         Ok(Lot {
             spec: Arc::clone(spec),
@@ -401,7 +406,7 @@ impl Args {
             charts: judged.into_iter().collect(),
             small_charts: Vec::new(),
             level,
-            facts: details(spec, &[], has_names),
+            facts,
         })
     }
 

@@ -13,7 +13,7 @@ use super::spec_files::files_read;
 use super::teeth::{judged, placed};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mesh::Mesh;
-use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, exact_mean_mm};
+use crate::multibody::{Outcome, RunEnd, Sample, Scene, Steady, Support, exact_mean_mm};
 use crate::quantity::Length;
 use crate::report::chart::{Axis, Chart, Layer, Scale, Shape};
 use crate::report::{CurveEnd, Format, SimulationReport, extreme_in_words};
@@ -67,7 +67,7 @@ impl Args {
 
     pub(super) fn run(self, output: &mut Output) -> Result<Status, Failure> {
         let mut spec = self.set.read_spec(&self.spec, output)?;
-        super::function::leave_open(&spec, output);
+        let open = super::function::leave_open(&spec, output);
         if let Some(step) = &self.step {
             spec.simulation.spacing_mm = step.mm();
         }
@@ -86,14 +86,17 @@ impl Args {
             quasi_static: self.quasi_static,
             outcome: &outcome,
             exact_mm: [exact(outcome.nominal), exact(outcome.deviating)],
-            notes: mesh::placement(&input)
+            notes: (spec.has_yoke() && !matches!(parameters.support, Support::Yoke(_)))
+                .then(|| NO_YOKE.to_owned())
                 .into_iter()
+                .chain(mesh::placement(&input))
                 .chain(input.warnings.iter().map(ToString::to_string))
                 .chain(mesh::unmeasured(&input))
                 .chain(evaluation.note_of_unsolved())
                 .chain((!evaluation.limits.is_empty()).then(|| RIGID.to_owned()))
                 .collect(),
             evaluation,
+            open,
             screen: output.screen(),
         };
         let picture = picture.filter(|_| !outcome.samples.is_empty());
@@ -121,6 +124,7 @@ impl Args {
 }
 
 const RIGID: &str = "limits are held against rigid teeth, as `mesh` does; the elastic part goes with the stiffness";
+const NO_YOKE: &str = "[yoke] does not count here: it does with `simulation.support = \"yoke\"`";
 
 /// ΔCD over the stroke with the exact mesh; for a rack that comes back the loop of the torque.
 fn chart(report: &SimulationReport<'_>, mesh: &Mesh) -> Chart {

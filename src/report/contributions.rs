@@ -82,6 +82,17 @@ pub fn blocks(of: &Contributions) -> Vec<Block> {
     vec![table, Block::Remark(note(of))]
 }
 
+/// How many of the independent racks are inside the limits, for people; `None` without limits.
+#[must_use]
+pub fn inside(of: &Contributions) -> Option<Block> {
+    let (inside, all) = (of.inside?, 2 * of.samples);
+    let share = 100.0 * inside as f64 / all.max(1) as f64;
+    let said = format!(
+        "{inside} of {all} random racks stay within the limits along the stroke: {share:.2} %; the verdict here is not theirs"
+    );
+    Some(Block::Remark(said))
+}
+
 /// The definition of the shares, and how they were computed.
 fn note(of: &Contributions) -> String {
     let Contributions { samples, asked, racks, .. } = of;

@@ -8,8 +8,8 @@ use super::{Block, Table};
 use crate::gear::{Hand, Pair};
 use crate::quantity::{Degrees, Length};
 
-/// For people; the measure M over the pin is nominal, if the spec has what it takes.
-pub(super) fn table(pair: &Pair, over_pin: Option<Length>) -> Block {
+/// For people; the measure M over the pin is nominal, with its name, if it is known.
+pub(super) fn table(pair: &Pair, over_pin: Option<(&'static str, Length)>) -> Block {
     let ratio = pair.contact_ratio();
     let rows = [
         ("hand of the rack", hand(pair.rack().helix_angle_rad)),
@@ -19,7 +19,7 @@ pub(super) fn table(pair: &Pair, over_pin: Option<Length>) -> Block {
         ("offset of the contact c", format!("{:.3} pitches", ratio.offset)),
         ("centre distance a_0", millimetres(pair.nominal_center_distance_mm())),
     ];
-    let over_pin = over_pin.map(|measure| ("measure M over the pin", millimetres(measure.mm())));
+    let over_pin = over_pin.map(|(name, measure)| (name, millimetres(measure.mm())));
     Table::of(rows.into_iter().chain(over_pin))
         .text("nominal pair", |(name, _)| *name)
         .number("value", |(_, value)| value.clone())
@@ -27,7 +27,7 @@ pub(super) fn table(pair: &Pair, over_pin: Option<Length>) -> Block {
 }
 
 /// For programs.
-pub(super) fn json(pair: &Pair, over_pin: Option<Length>) -> Value {
+pub(super) fn json(pair: &Pair, over_pin: Option<(&'static str, Length)>) -> Value {
     let (rack, pinion, ratio) = (pair.rack(), pair.pinion(), pair.contact_ratio());
     json!({
         "rack_hand": Hand::of(rack.helix_angle_rad).name(),
@@ -36,7 +36,7 @@ pub(super) fn json(pair: &Pair, over_pin: Option<Length>) -> Value {
         "contact_ratio": tidy(ratio.total),
         "contact_offset": tidy(ratio.offset),
         "nominal_center_distance_mm": pair.nominal_center_distance_mm(),
-        "nominal_over_pin_mm": over_pin,
+        "nominal_over_pin_mm": over_pin.map(|(_, measure)| measure),
     })
 }
 

@@ -107,7 +107,8 @@ pub fn bound_note(note: &Note, missing: &[&str]) -> String {
             plain(tidy(*delta_cd_mm))
         ),
         Note::OwnRange(Range { lower, upper }) => format!(
-            "the sum counts what the pair does without errors, by tooth thickness, form, undercut or gaps in contact: ΔCD = {} mm",
+            "share of form and geometry in the bound (tooth thickness, form, undercut, gaps in contact): ΔCD = {} mm; it holds wherever \
+             errors of this size shift the contact, so it may be wider than the curve of the pair without errors",
             ends(tidy(*lower), tidy(*upper))
         ),
         Note::KnownTeeth(Range { lower, upper }) => {

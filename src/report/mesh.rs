@@ -28,8 +28,8 @@ pub struct MeshReport<'a> {
     pub title: Option<&'a str>,
     /// The solved mesh.
     pub mesh: &'a Mesh,
-    /// The nominal measure M over the pin, if the spec has what it takes.
-    pub over_pin: Option<Length>,
+    /// The nominal measure M over the pin with its name: computed, or else as given.
+    pub over_pin: Option<(&'static str, Length)>,
     /// The curve with its kinks, from which the summary comes.
     pub curve: Curve,
     /// Strokes to list in tables.
@@ -218,7 +218,7 @@ fn summary_table(summary: &Summary) -> Block {
 fn comparison_table(summary: &Summary, prediction: &Prediction, notes: &[Note]) -> Block {
     let (lower, upper) = prediction.range_mm();
     let left_out = notes.iter().filter_map(|note| match note {
-        Note::OwnRange(own) => Some(("not in them: the pair without errors", own.lower, own.upper)),
+        Note::OwnRange(own) => Some(("share of form and geometry in the bound", own.lower, own.upper)),
         _ => None,
     });
     let together = std::iter::once(("formulas, together", lower, upper)).chain(left_out);

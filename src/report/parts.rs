@@ -170,6 +170,7 @@ mod tests {
             errors,
             yoke,
             is_rejected: false,
+            fails_otherwise: false,
         }
     }
 

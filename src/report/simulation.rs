@@ -4,7 +4,7 @@
 use serde_json::{Map, Value, json};
 
 use super::number::{millimetres, plain, signed, stroke_text, tidy};
-use super::{Block, Report, Screen, Table, fact, mesh, sketch, titled};
+use super::{Block, Report, Screen, Table, fact, mesh, sketch, titled, worst_last};
 use crate::evaluation::Evaluation;
 use crate::judge::Verdict;
 use crate::multibody::{
@@ -30,6 +30,8 @@ pub struct SimulationReport<'a> {
     pub exact_mm: [Option<f64>; 2],
     /// The errors judged by the limits: rigid teeth on all strokes, as in [`MeshReport`](super::MeshReport).
     pub evaluation: Evaluation,
+    /// The limits that this command does not judge, in words.
+    pub open: Option<String>,
     /// Remarks.
     pub notes: Vec<String>,
     /// Room for the sketch, which is drawn on a screen only.
@@ -370,8 +372,12 @@ impl Report for SimulationReport<'_> {
             blocks.push(Block::Note(self.energy(&energy)));
         }
         blocks.extend(self.notes.iter().cloned().map(Block::Remark));
-        blocks.extend(self.ending().1.map(Block::Note));
         blocks.extend(mesh::verdicts(&self.evaluation));
-        blocks
+        let ended = self.ending().1.map(|why| match self.outcome.end {
+            RunEnd::Failed(_) => Block::Verdict(None, why),
+            _ => Block::Note(why),
+        });
+        blocks.extend(self.open.iter().map(|open| Block::Verdict(None, open.clone())).chain(ended));
+        worst_last(blocks)
     }
 }

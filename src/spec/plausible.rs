@@ -39,7 +39,7 @@ impl Spec {
             let warning = Diagnostic::warning(Code::UnknownKey, message).at(&self.source, place, "");
             warning.help("write [table] and [table.columns]")
         });
-        old.into_iter().chain(self.doubts(Severity::Warning)).collect()
+        old.into_iter().chain(self.doubts(Severity::Warning)).chain(self.doubted_nominal()).collect()
     }
 
     /// The suspicious values as sentences, for the notes of a result.
@@ -151,6 +151,23 @@ impl Spec {
         self.uncertainties.iter().filter_map(doubted)
     }
 
+    /// The doubt about a nominal value of the measure over the pin that is not the one of the spec's pin and datum, by more than a
+    /// hundredth of the module.
+    fn doubted_nominal(&self) -> Option<Diagnostic> {
+        let given = said_of(&self.nominals, DeviationKind::RackOverRoller).filter(|_| self.over_pin().is_none())?;
+        let DeviationValue::Length(nominal) = given.value else { return None };
+        let (computed, module) = (self.computed_over_pin()?, self.module()?);
+        if (nominal.mm() - computed.mm()).abs() <= 0.01 * module.mm() {
+            return None;
+        }
+        let message = format!(
+            "`rack_over_roller`: the nominal value is {nominal}, but M over `rack.pin` from `rack.datum` is {:.4} mm",
+            computed.mm()
+        );
+        let help = "check the nominal value, the pin's diameter, the datum and the rack's tooth thickness";
+        Some(Diagnostic::warning(Code::Implausible, message).help(help).at(&self.source, given.span.clone(), ""))
+    }
+
     /// Whether a value is written without a unit.
     fn is_bare(&self, span: &Range<usize>) -> bool {
         let (source, span) = self.source.holding(span.clone());
@@ -245,6 +262,21 @@ mod tests {
                 .map(|found| format!("{found}; {}", found.help.clone().unwrap_or_default()))
                 .collect(),
         }
+    }
+
+    #[test]
+    fn a_nominal_measure_is_that_of_pin_and_datum() {
+        let spec = |nominal: &str| {
+            let rack =
+                "[pair]\nnormal_module = 1.8\nnormal_pressure_angle = 20\n[rack]\ndatum = 22\npin = 3\n[errors]\n";
+            said(&format!("{rack}rack_over_roller = {{ measured = {nominal}, nominal = {nominal} }}"))
+        };
+        let [found] = &spec("25")[..] else { panic!("one doubt") };
+        assert!(
+            found.contains("the nominal value is 25 mm, but M over `rack.pin` from `rack.datum` is 24.0016 mm"),
+            "{found}"
+        );
+        assert!(spec("24.019").is_empty() && spec("24.02").len() == 1);
     }
 
     #[test]

@@ -66,6 +66,8 @@ pub(crate) enum OwnRule {
     RepeatedParts,
     /// What the format of a file writes besides values.
     OfFormat,
+    /// What a measuring program decided of a part.
+    Status,
 }
 
 /// A rule for lines that are no parts.

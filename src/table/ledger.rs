@@ -14,6 +14,8 @@ use crate::quantity::shown;
 pub(crate) const OF_FORMAT: &str = "by its format";
 /// How many texts of each rule are shown.
 const SHOWN: usize = 3;
+/// How many texts that differ are kept of each rule: more than a page shows of a column, and its heading.
+const DIFFERING: usize = 5;
 
 /// What a rule left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
@@ -25,6 +27,9 @@ pub struct Tally {
     /// A digest of all texts with their places. The order in which they are added does not matter.
     #[serde(serialize_with = "in_hexadecimal")]
     pub digest: u64,
+    /// The first texts that differ.
+    #[serde(skip)]
+    pub(crate) texts: Vec<String>,
 }
 
 /// A rule that a person wrote, or that a format has, and what it left out.
@@ -32,6 +37,9 @@ pub struct Tally {
 pub struct LeftOut {
     /// The rule, as it is written.
     pub rule: String,
+    /// The role of what it covers, if it has one: `status`, or a key of `[report]`. No value follows from it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub role: Option<&'static str>,
     #[serde(flatten)]
     pub(crate) tally: Tally,
 }
@@ -50,6 +58,14 @@ impl Tally {
             if self.first.len() < SHOWN {
                 self.first.push(text.to_owned());
             }
+            self.keep(text);
+        }
+    }
+
+    /// Keeps a text if it differs from those that are kept, and there is room.
+    fn keep(&mut self, text: &str) {
+        if self.texts.len() < DIFFERING && self.texts.iter().all(|known| known != text) {
+            self.texts.push(text.to_owned());
         }
     }
 
@@ -59,13 +75,14 @@ impl Tally {
         self.digest = self.digest.wrapping_add(next.digest);
         let room = SHOWN - self.first.len();
         self.first.extend(next.first.iter().take(room).cloned());
+        next.texts.iter().for_each(|text| self.keep(text));
     }
 }
 
 /// `` `Temp*` 12 cells (20,1, 20,2, 20,2, …) 1a2b3c4d ``
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Tally { count, first, digest } = &self.tally;
+        let Tally { count, first, digest, .. } = &self.tally;
         let texts: Vec<_> = first.iter().map(|text| shown(text)).collect();
         let more = if *count > SHOWN as u64 { ", …" } else { "" };
         match count {
@@ -73,6 +90,13 @@ impl fmt::Display for LeftOut {
             1 => write!(f, "{} 1 text ({}) {:08x}", self.rule, texts.concat(), digest >> 32),
             count => write!(f, "{} {count} texts ({}{more}) {:08x}", self.rule, texts.join(", "), digest >> 32),
         }
+    }
+}
+
+impl LeftOut {
+    /// The first texts that differ.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.tally.texts.iter().map(String::as_str)
     }
 }
 
@@ -158,7 +182,7 @@ mod tests {
         for other in [tally(&[(1, "20,2"), (2, "20,1")]), tally(&[(1, "20,1"), (2, "20,3")]), tally(&[(1, "20,1")])] {
             assert_ne!(other.digest, both.digest);
         }
-        let told = LeftOut { rule: "`Temp*`".to_owned(), tally: tally(&[(1, "20,1")]) };
+        let told = LeftOut { rule: "`Temp*`".to_owned(), role: None, tally: tally(&[(1, "20,1")]) };
         assert_eq!(told.to_string(), "`Temp*` 1 text (20,1) 5d69b1d7");
     }
 }

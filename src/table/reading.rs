@@ -38,7 +38,7 @@ pub struct Reading {
     pub asides: Vec<AsideReading>,
     /// What is assumed, and what the user should look at.
     pub notes: Vec<String>,
-    /// The rules of the contract, with what each left out.
+    /// The rules of the contract, with what each left out, or gave to a role that no value follows from.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -79,7 +79,8 @@ impl Reading {
     /// What a user should know before trusting the result: the notes, and what is left out.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let used = self.left_out.iter().filter(|rule| rule.tally.count > 0).map(ToString::to_string);
+        let used =
+            self.left_out.iter().filter(|rule| rule.tally.count > 0 && rule.role.is_none()).map(ToString::to_string);
         let left_out = self.sentence("left out:", &used.collect::<Vec<_>>(), "");
         self.notes.iter().cloned().chain(left_out).collect()
     }

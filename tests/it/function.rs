@@ -1,5 +1,6 @@
 //! What a yoke does, held against relations that follow from its definition: work, mirror images, shifts and windows.
 
+use crate::process::run;
 use rackmesh::deviation::{PinionFlanks, RackDeviation, RackDeviationKind, RackFlanks, ToothRange};
 use rackmesh::function::{Bounds, Function, Judged, SetAt, Target, Terms, Window, Yoke, judge};
 use rackmesh::gear::Pair;
@@ -246,4 +247,18 @@ fn each_stroke_is_what_its_neighbours_say() {
         );
     }
     assert!(compared > 300 && turned > 0.05, "{compared} {turned}");
+}
+
+/// `simulate` names every limit on a yoke, says that the yoke does not count, and ends with the verdict of its exit status.
+#[test]
+fn a_simulation_leaves_limits_on_a_yoke_open() {
+    let stroke = ["--set", "simulation.stroke=2", "--set", "limits.center_distance=±0.1"];
+    let line = ["simulate", "examples/function.toml", "--quasi-static", "--step", "1mm"];
+    let ended = run(&[&line[..], &stroke].concat(), "");
+    let open =
+        "limits.yoke_play, limits.pinion_torque, limits.torque_fluctuation, limits.lift_off_force are not judged here";
+    let last = ended.stdout.trim_end().lines().last().unwrap_or_default();
+    assert_eq!((ended.code, last), (Some(2), &*format!("No verdict: {open}")), "{}{}", ended.stdout, ended.stderr);
+    assert!(ended.stderr.contains(open) && ended.stdout.contains("PASS: "), "{}{}", ended.stdout, ended.stderr);
+    assert!(ended.stdout.contains("note: [yoke] does not count here"), "{}", ended.stdout);
 }

@@ -127,3 +127,38 @@ fn no_text_leaves_a_picture() {
     // the check sees what is cut
     assert_eq!(leaving("<svg width=\"100\"><text x=\"90\" text-anchor=\"start\">cut</text>").len(), 1);
 }
+
+/// What columns say about all parts stands above the verdict, of parts by their teeth too, and is not called left out.
+#[test]
+fn details_of_parts_with_teeth_stand_in_the_head() {
+    let folder = Folder::new("pages-details");
+    let (spec, table) = (folder.path("spec.toml"), folder.path("spaces.csv"));
+    let pair = "[pair]\nnormal_module = 2\nnormal_pressure_angle = 19.9\n[rack]\nface_width = 19.7\naddendum = 1.7\n[pinion]\nteeth = 8\n\
+        helix_angle = 21\nprofile_shift = 0.3\nface_width = 30\ntip_diameter = 19.738\n[limits]\ncenter_distance = \"±0.1\"\n";
+    let columns = "[table.columns]\ninspector = \"Prüfer\"\ndate = \"Datum\"\n";
+    std::fs::write(&spec, format!("{pair}{columns}")).unwrap();
+    let row = |space| format!("{space};0;0;{};3.11.2026\n", if space < 9 { "Frey" } else { "Roth" });
+    let rows: String = (0..12).map(row).collect();
+    std::fs::write(&table, format!("space;over_pin_deviation [um];position_deviation [um];Prüfer;Datum\n{rows}"))
+        .unwrap();
+    let page = run(&["report", &spec, &table, "--teeth"], "");
+    assert!(page.stdout.contains("<dt>inspector</dt><dd>Frey, Roth</dd>"), "{}{}", page.stdout, page.stderr);
+    assert!(page.stdout.contains("<dt>date</dt><dd>3.11.2026</dd>"), "{}", page.stdout);
+    assert!(page.stderr.contains("\"Prüfer\" = inspector") && !page.stderr.contains("left out"), "{}", page.stderr);
+}
+
+/// What scatters is not judged by the worst case, and both the page and `eval` say so.
+#[test]
+fn scatter_beside_errors_is_said_not_to_be_judged() {
+    let folder = Folder::new("pages-scatter");
+    let spec = folder.path("spec.toml");
+    let scatter = std::fs::read_to_string("examples/scatter.toml").unwrap();
+    let errors = "\n[errors]\nrack_over_roller = \"+4 um\"\n";
+    std::fs::write(&spec, format!("{scatter}{errors}")).unwrap();
+    for command in ["eval", "report"] {
+        let said = run(&[command, &spec], "").stdout;
+        assert!(said.contains("[scatter] is not judged here: `rackmesh monte-carlo` "), "{said}");
+    }
+    let shares = run(&["report", &spec, "--contributions", "--to", "5"], "").stdout;
+    assert!(shares.contains(" of 4000 random racks stay within the limits along the stroke: "), "{shares}");
+}

@@ -99,15 +99,14 @@ impl Solved {
     }
 }
 
-/// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0. A part that its yoke
-/// or its status alone fails is among the worst, whatever its ΔCD.
+/// The part with its place and margin; without a limit, the margin is how far its largest ΔCD is below 0.
 pub(super) fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Part {
     let evaluation = &solved.judged.evaluation;
     // an open verdict counts as nearest to a limit
     let open = f64::INFINITY;
     let (lowest, highest) = evaluation.judged.map_or((-open, open), |range| (range.lower.mm(), range.upper.mm()));
-    let nearest = solved.nearest().filter(|_| !solved.fails_otherwise());
-    let without_limit = if solved.fails_otherwise() { -open } else { -highest.abs().max(lowest.abs()) };
+    let nearest = solved.nearest();
+    let without_limit = -highest.abs().max(lowest.abs());
     Part {
         id: part.name.clone(),
         place: lot.place(part.line, part.record),
@@ -120,6 +119,7 @@ pub(super) fn judged_part(part: &ToothedPart, solved: &Solved, lot: &Lot) -> Par
         yoke: solved.yoke.clone(),
         judged_by: evaluation.judged_by,
         is_rejected: evaluation.is_rejected,
+        fails_otherwise: solved.fails_otherwise(),
     }
 }
 

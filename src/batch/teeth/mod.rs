@@ -245,7 +245,7 @@ impl<'a> Teeth<'a> {
         }
         if self.request.rows.statistics {
             self.count(&solved);
-            keep_worst(&mut self.ledger.outcome.worst, kept.margin_mm, || kept);
+            keep_worst(&mut self.ledger.outcome.worst, kept.badness(), || kept);
         }
         if self.request.rows.rows.has(verdict) { self.write(part, &solved) } else { Ok(()) }
     }

@@ -41,6 +41,9 @@ pub struct Contributions {
     pub asked: u64,
     /// Racks that were solved: two of each sample, and one for each scatter.
     pub racks: u64,
+    /// How many of the two independent racks of each sample stay within the limits along the whole stroke; `None` without limits.
+    #[cfg_attr(feature = "report", serde(skip))]
+    pub inside: Option<u64>,
     /// For each quantity, each scatter.
     pub indices: Vec<Contribution>,
 }
@@ -69,7 +72,7 @@ impl Racks<'_> {
         let (first, asked) = (settings.range.first_rack, settings.range.racks);
         let part_size = asked.div_ceil(PARTS).max(1);
         let mut parts = QUANTITIES.map(|_| Vec::<Sums>::new());
-        let mut samples = 0;
+        let (mut samples, mut inside) = (0, 0);
         let ended = parallel::in_order(
             settings.threads.unwrap_or_else(parallel::cores),
             asked,
@@ -85,6 +88,8 @@ impl Racks<'_> {
                         part.add(of(a), of(b), mixed.iter().map(of));
                     }
                 }
+                let is_inside = |rack: &&RackResult| self.limit.is_some_and(|limit| rack.is_inside(limit));
+                inside += results.iter().take(2).filter(is_inside).count() as u64;
                 samples += 1;
                 each(samples);
                 Ok(())
@@ -105,7 +110,8 @@ impl Racks<'_> {
             kinds.iter().enumerate().map(of).collect::<Vec<_>>()
         };
         let indices = QUANTITIES.iter().zip(&parts).flat_map(of_quantity).collect();
-        Ok(Contributions { samples, asked, racks: samples * (kinds.len() as u64 + 2), indices })
+        let inside = self.limit.map(|_| inside);
+        Ok(Contributions { samples, asked, racks: samples * (kinds.len() as u64 + 2), inside, indices })
     }
 }
 

@@ -267,7 +267,7 @@ impl RacksStudy {
 
 impl RackResult {
     /// Whether a rack stays within the limits along the whole stroke.
-    fn is_inside(&self, limit: &Limit) -> bool {
+    pub(super) fn is_inside(&self, limit: &Limit) -> bool {
         limit.lower.map(Length::mm).is_none_or(|lower| lower <= tidy(self.min_mm))
             && limit.upper.map(Length::mm).is_none_or(|upper| tidy(self.max_mm) <= upper)
     }

@@ -1,6 +1,7 @@
 //! The data that a page keeps of the parts of tables: while they are read the run chart, the texts of columns about all parts, and
 //! each part where all are listed; in the end the outcome.
 
+use std::borrow::Cow;
 use std::io;
 use std::sync::Arc;
 
@@ -9,6 +10,7 @@ use crate::report::chart::Chart;
 use crate::report::{Basis, Block, RunChart, part_block, parts_blocks, yokes_block};
 use crate::spec::Spec;
 use crate::spec::keys::{self, Key};
+use crate::table::{LeftOut, Reading};
 
 /// Every part.
 #[derive(Default)]
@@ -55,13 +57,28 @@ impl Detail {
         details.filter_map(|(key, heading)| Some(Self { key, column: place(heading)?, texts: Vec::new() })).collect()
     }
 
+    /// Those that the spec names columns for, of tables whose rows are teeth.
+    pub(super) fn of_teeth(spec: &Spec, readings: &[Reading]) -> Vec<Self> {
+        let of_column = |(key, heading): &(&'static str, String)| {
+            let mut detail = Self { key, column: 0, texts: Vec::new() };
+            let rules = readings.iter().flat_map(|reading| &reading.left_out);
+            let texts = rules.filter(|rule| rule.role == Some(*key)).flat_map(LeftOut::texts);
+            texts.filter(|text| *text != heading.as_str()).for_each(|text| detail.keep(text.into()));
+            detail
+        };
+        spec.table.layout.details.iter().map(of_column).collect()
+    }
+
     fn take(&mut self, rows: &ResultColumns) {
         let column = &rows.columns[self.column];
         for text in (0..rows.rows).filter_map(|row| column.text(row)) {
-            let text = String::from_utf8_lossy(text);
-            if self.texts.len() < Self::MOST && !text.is_empty() && self.texts.iter().all(|known| *known != text) {
-                self.texts.push(text.into_owned());
-            }
+            self.keep(String::from_utf8_lossy(text));
+        }
+    }
+
+    fn keep(&mut self, text: Cow<'_, str>) {
+        if self.texts.len() < Self::MOST && !text.is_empty() && self.texts.iter().all(|known| *known != text) {
+            self.texts.push(text.into_owned());
         }
     }
 

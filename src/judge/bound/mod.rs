@@ -232,7 +232,7 @@ pub enum Note {
     BothFlanksNarrows,
     /// The pair without errors is taken to stay at this ΔCD, mm: undercut or a contact ratio below 1 are not known.
     OwnCurveAt(f64),
-    /// The known pair without errors is in this range, which the sum counts.
+    /// The share of the known pair in the sum: its own ΔCD wherever errors of this size shift the contact, so it grows with them.
     OwnRange(Range),
     /// The sum counts the teeth that are known one by one: their ΔCD is in this range.
     KnownTeeth(Range),

@@ -124,6 +124,15 @@ impl Spec {
             .measure()
             .map_err(|error| Diagnostic::error(Code::OutOfDomain, error.to_string()).into())
     }
+
+    /// The nominal measure M over the roller of `errors.rack_over_roller` or over `rack.pin`, computed; `None` if a key is missing,
+    /// or the pin has no place.
+    #[must_use]
+    pub fn computed_over_pin(&self) -> Option<Length> {
+        let of_pin =
+            || self.over_pin_of(self.get(keys::RACK_PIN)?, &mut Problems::default(), &|| (String::new(), None));
+        self.over_pin().or_else(of_pin)?.measure().ok()
+    }
 }
 
 /// The rows of a pinion's table as deviations.

@@ -278,7 +278,7 @@ impl<'r> Reader<'r, '_> {
             match owner {
                 Some(Owner::Role(Role::Status)) => {
                     let text = ledger.read(place).text();
-                    self.left_out.add(self.layout.own_rule(OwnRule::BesideValues), record.line, place, &text);
+                    self.left_out.add(self.layout.own_rule(OwnRule::Status), record.line, place, &text);
                 }
                 Some(Owner::Role(role)) => {
                     let cell = ledger.read(place);

@@ -32,6 +32,7 @@ use super::encoding::text;
 use super::field::Field;
 use super::layout::{Layout, LineRule, OwnRule, StatusColumn};
 use super::ledger::{LeftOut, OF_FORMAT, Tally};
+use super::pattern::Pattern;
 use crate::quantity::shown;
 
 /// A table in which every column has an owner. Only such a table can be read.
@@ -57,8 +58,18 @@ const NO_PART_NAMES: &str = "mean, average, avg, max, min, maximum, minimum, med
      sollwert, nennwert, toleranz, moyenne, 平均, 最大, 最小";
 
 /// The names of the reader's own rules, which nobody writes, in the order of [`OwnRule`].
-const OWN_RULES: [&str; 6] =
-    ["others", "repeated headings", "beside values", "other sheets", "rows before the last of their part", OF_FORMAT];
+const OWN_RULES: [&str; 7] = [
+    "others",
+    "repeated headings",
+    "beside values",
+    "other sheets",
+    "rows before the last of their part",
+    OF_FORMAT,
+    STATUS,
+];
+
+/// The rule for the texts of a status, which decide and are no values.
+const STATUS: &str = "status";
 
 impl Contract {
     /// Closes a table: every column has an owner.
@@ -213,11 +224,21 @@ impl Layout {
     /// All rules in order of their numbers, with nothing left out yet.
     pub(crate) fn rules(&self) -> Vec<LeftOut> {
         let quoted = |what: &str, text: &str| format!("{what}`{text}`");
-        let ignored = self.ignore.iter().map(|rule| quoted("", rule.text()));
-        let lines = self.ignore_lines.iter().map(|rule| quoted("lines ", rule.pattern.text()));
-        let comments = self.comments.iter().map(|rule| quoted("comments ", rule.text()));
-        let own = OWN_RULES.map(str::to_owned);
+        let ignored = self.ignore.iter().map(|rule| (quoted("", rule.text()), self.detail_of(rule)));
+        let lines = self.ignore_lines.iter().map(|rule| (quoted("lines ", rule.pattern.text()), None));
+        let comments = self.comments.iter().map(|rule| (quoted("comments ", rule.text()), None));
+        let own = OWN_RULES.map(|rule| (rule.to_owned(), (rule == STATUS).then_some(STATUS)));
         let all = ignored.chain(lines).chain(comments).chain(own);
-        all.map(|rule| LeftOut { rule, tally: Tally::default() }).collect()
+        all.map(|(rule, role)| LeftOut { rule, role, tally: Tally::default() }).collect()
+    }
+
+    /// The key of `[report]` that the columns of a rule stand for, if they stand for one.
+    fn detail_of(&self, rule: &Pattern) -> Option<&'static str> {
+        self.details.iter().find(|(_, heading)| Pattern::of_heading(heading) == *rule).map(|(key, _)| *key)
+    }
+
+    /// The role of the columns that one of all rules covers.
+    pub(crate) fn role_of_rule(&self, rule: usize) -> Option<&'static str> {
+        self.detail_of(self.ignore.get(rule)?)
     }
 }

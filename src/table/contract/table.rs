@@ -355,7 +355,8 @@ fn column_readings(contract: &Contract, titles: &[String], columns: &[Column]) -
             Some(named_only(title, &format!("{} of {}, not judged", beside.key(), kind.key())))
         }
         Owner::Role(role) => Some(named_only(title, &key(*role))),
-        Owner::Rule(_) | Owner::Nameless => None,
+        Owner::Rule(rule) => Some(named_only(title, contract.layout.role_of_rule(*rule)?)),
+        Owner::Nameless => None,
     });
     let of = contract.of.iter().filter_map(Named::role).map(|(title, role)| named_only(title, &key(role)));
     of.chain(read).collect()

@@ -114,7 +114,7 @@ impl Rows {
         }
         let status = contract.status().map(|place| {
             let text = ledger.read(place).text();
-            block.tally(beside).add(record.line, place, &text);
+            block.tally(contract.layout.own_rule(OwnRule::Status)).add(record.line, place, &text);
             contract.layout.accepts(text.trim())
         });
         for (place, rule) in contract.left_out().take_while(|(place, _)| *place < record.cells.len()) {

@@ -114,3 +114,21 @@ fn a_page_names_the_part_that_its_status_rejects() {
         assert!(worst.find("BAD") < worst.find("P11"), "{worst}");
     }
 }
+
+/// Parts outside a limit on ΔCD come before those that only their status rejects, whose margin is the same everywhere.
+#[test]
+fn a_rejected_part_keeps_its_margin() {
+    let folder = Folder::new("status-margin");
+    let table = "Teil;Rollenmaß [mm];Bewertung\nBAD;25,02;n.i.O.\nOUT;25,15;i.O.\n";
+    let all: [&[&str]; 3] = [&["batch", "--summary"], &["batch", "--format", "csv"], &["report"]];
+    let ended = judged(&folder, &format!("{SPEC}{LIMIT}{STATUS}"), table, &all);
+    let [summary, rows, page] = &ended[..] else { panic!("three answers") };
+    let worst = summary.stdout.split_once("worst parts").expect("a list").1;
+    assert!(worst.find("OUT") < worst.find("BAD") && worst.contains("+0.0800  fail"), "{worst}");
+    assert!(rows.stdout.contains(",0.080000,fail,"), "{}", rows.stdout);
+    assert!(page.stdout.contains("part OUT"), "{}", page.stdout);
+    let table = "Teil;Rollenmaß [mm];Bewertung\nBAD;25,02;n.i.O.\nGOOD;25,01;i.O.\n";
+    let page = &judged(&folder, &format!("{SPEC}{LIMIT}{STATUS}"), table, &[&["report"]])[0];
+    let detail = page.stdout.split_once("part BAD").expect("the worst part").1;
+    assert!(detail.contains("the part fails by its status, not by ΔCD"), "{detail}");
+}
