@@ -97,7 +97,7 @@ pub(super) fn evaluated<'a>(
     }
     let mut report = EvaluationReport::new(spec.title.as_deref(), evaluation, &spec.missing_geometry());
     // of many remarks the first ones are shown
-    report.notes.splice(0..0, (!spec.scatter.is_empty()).then(|| NO_SCATTER.to_owned()));
+    report.rests_on.splice(0..0, (!spec.scatter.is_empty()).then(|| NO_SCATTER.to_owned()));
     report.classes = spec.classes()?;
     report.notes.extend(spec.circles_in_words(&spec.kinds()));
     report.notes.extend(spec.suspicions_in_words().into_iter().chain(note_of_exact));
