@@ -185,8 +185,7 @@ impl Args {
         let (spec, evaluation, uncertainty) = self.judge.of_part(plan, part, output)?;
         let report = EvaluationReport::new(None, evaluation, &spec.missing_geometry());
         let report = EvaluationReport { uncertainty, ..report };
-        let by_status =
-            report.evaluation.rejection().map(|why| format!("the part fails by its status, not by ΔCD: {why}"));
+        let by_status = report.evaluation.rejection().map(|why| format!("{why}, not by ΔCD"));
         let blocks = report.blocks().into_iter().chain(by_status.map(Block::Remark)).collect();
         let by_formula = Section::new(BY_FORMULA, blocks);
         let worst = WorstTeeth::of(spec.part_errors_or_none()?, &spec.basis()?)?;
