@@ -144,11 +144,8 @@ impl Diagnosis {
         let offset_mm = if search.fits { mean(&mut apart()) } else { 0.0 };
         let square = mean(&mut apart().map(|apart| (apart - offset_mm) * (apart - offset_mm)));
         let rms_left_mm = square.sqrt();
-        let (rack, pinion) = (mesh.pair().rack(), mesh.pair().pinion());
-        let eccentric = overlay.once_a_turn(rack.pitch_mm * f64::from(pinion.teeth)).filter(|_| found.len() > 1);
-        let eccentric = eccentric.filter(|[_, left_mm]| *left_mm <= AS_LITTLE * rms_left_mm);
         Ok(Self {
-            eccentricity_mm: eccentric.map(|[amount_mm, _]| amount_mm),
+            eccentricity_mm: eccentricity_mm(mesh, overlay, rms_left_mm).filter(|_| found.len() > 1),
             errors: found,
             noise_mm: search.noise_mm,
             noise_is_stated: request.noise_mm.is_some(),
@@ -169,6 +166,13 @@ impl Diagnosis {
     pub fn is_likely(&self) -> bool {
         !self.leaves_more && self.eccentricity_mm.is_none()
     }
+}
+
+/// The eccentricity of the pinion that leaves hardly more than that.
+fn eccentricity_mm(mesh: &Mesh, overlay: &Overlay, rms_left_mm: f64) -> Option<f64> {
+    let turn_mm = mesh.pair().rack().pitch_mm * f64::from(mesh.pair().pinion().teeth);
+    let [amount_mm, left_mm] = overlay.once_a_turn(turn_mm)?;
+    (left_mm <= AS_LITTLE * rms_left_mm).then_some(amount_mm)
 }
 
 /// Adds the answer at another stroke shift to the alternatives; both list the errors with the largest effects first.
