@@ -285,6 +285,7 @@ impl<'a> Results<'a> {
                 self.each[*kind as usize].get(rows.clone()).map_or(Lengths::None, |each| Lengths::Each(each.into()))
             }
             Output::Combined(stack, end) => self.combined[*stack as usize].lengths(*end, rows),
+            Output::Margin if let Some(margins) = self.margins(rows) => Lengths::Each(margins.into()),
             Output::Judged(_) | Output::Margin => {
                 let each: Option<Vec<_>> = rows.clone().map(|row| self.of(output, row)).collect();
                 each.map_or(Lengths::Other, |each| Lengths::Each(each.into()))
@@ -356,6 +357,12 @@ impl Ranges {
         let (lower, upper) = (*self.lower.get(row)?, *self.upper.get(row)?);
         let is_open = !self.open.is_empty() && self.open.binary_search(&row).is_ok();
         (!is_open).then_some(Interval { lower, upper })
+    }
+
+    /// The ends of the ranges of some rows, if all have one.
+    fn all(&self, rows: &ops::Range<usize>) -> Option<impl Iterator<Item = (&Length, &Length)>> {
+        let (lower, upper) = (self.lower.get(rows.clone())?, self.upper.get(rows.clone())?);
+        self.open.is_empty().then(|| lower.iter().zip(upper))
     }
 
     fn lengths(&self, end: End, rows: &ops::Range<usize>) -> Lengths<'_> {

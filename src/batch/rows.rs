@@ -185,7 +185,16 @@ impl<'a> RowWriter<'a> {
                     }
                 }
                 Output::Reason => {
-                    each.for_each(|row| column.extend_words(results.reason(row.index).as_deref(), 1));
+                    let mut start = rows.start;
+                    for same in results.verdicts[rows.clone()].chunk_by(PartialEq::eq) {
+                        let end = start + same.len();
+                        if results.passes_silently(same[0]) {
+                            column.extend_words(None, same.len());
+                        } else {
+                            (start..end).for_each(|row| column.extend_words(results.reason(row).as_deref(), 1));
+                        }
+                        start = end;
+                    }
                 }
                 _ => each.for_each(|row| {
                     let written = WrittenRow::Part { results, row: row.index };

@@ -15,7 +15,7 @@ use crate::function::{Check, Judged, JudgedYoke, YokeJudge};
 use crate::judge::bound::GivenGeometry;
 use crate::judge::rule::{self, Conformance, Ends};
 use crate::judge::{Interval, Limit, LimitTarget, NearestEnd, Stack, Verdict};
-use crate::quantity::Length;
+use crate::quantity::{LARGEST, Length};
 use crate::table::Fault;
 use crate::uncertainty::Spreads;
 
@@ -150,9 +150,25 @@ impl Results<'_> {
         }
     }
 
+    /// Whether there is nothing to say of any part with this verdict.
+    #[inline]
+    pub(in crate::batch) fn passes_silently(&self, verdict: Option<Verdict>) -> bool {
+        verdict == Some(Verdict::Pass) && self.meshed.is_empty() && self.yokes.is_empty()
+    }
+
+    /// How far each of some rows is inside the only limit, that on ΔCD; `None` where a row needs a closer look.
+    pub(in crate::batch) fn margins(&self, rows: &Range<usize>) -> Option<Vec<Length>> {
+        let [(LimitTarget::CenterDistance, limit)] = &self.plan.limits[..] else { return None };
+        let ranges = self.combined[self.plan.request.stack as usize].all(rows).filter(|_| self.meshed.is_empty())?;
+        let is_judged = self.verdicts[rows.clone()].iter().all(Option::is_some);
+        let far = Length::from_fm(LARGEST);
+        let (least, most) = (limit.lower.unwrap_or(-far), limit.upper.unwrap_or(far));
+        is_judged.then(|| ranges.map(|(lower, upper)| (*lower - least).min(most - *upper)).collect())
+    }
+
     /// Why a part fails, is indeterminate or has no verdict; for a part that the exact mesh judges, with its range.
     pub(in crate::batch) fn reason(&self, row: usize) -> Option<Cow<'_, str>> {
-        if self.verdicts[row] == Some(Verdict::Pass) && self.meshed.is_empty() && self.yokes.is_empty() {
+        if self.passes_silently(self.verdicts[row]) {
             return None;
         }
         let meshed = self.meshed(row).map(by_mesh);
