@@ -161,7 +161,7 @@ fn errors_with_the_same_curve_are_alternatives() {
         assert_eq!(found.len(), 1, "{kind}: {found:?}");
         assert!(expected.iter().all(|error| is_named(&found[0], *error)), "{expected:?}: {found:?}");
         let noise = number(&answer, "/measured/explained/noise_mm");
-        assert!((noise - 0.001).abs() < 2e-4 && number(&answer, "/measured/explained/rms_left_mm") < 1.1 * noise);
+        assert!((noise - 0.001).abs() < 1.5e-4 && number(&answer, "/measured/explained/rms_left_mm") < 1.1 * noise);
     }
     let radial = diagnosed("[[pinion.deviation]]\nteeth = 3\nradial = \"14 um\"\n", 4, TWO_TURNS, 0.0);
     assert!(is_named(&radial["diagnosis"][0], ("pinion", "radial", 3, 14.0)), "{}", radial["diagnosis"]);
