@@ -139,6 +139,14 @@ impl Limit {
         above.into_iter().chain(below)
     }
 
+    /// How far a result is inside the nearest end, negative beyond it; `None` for a limit without ends.
+    #[must_use]
+    #[inline]
+    pub fn inside_by(&self, Interval { lower, upper }: Interval) -> Option<Length> {
+        let of_upper = self.upper.map(|end| end - upper);
+        of_upper.into_iter().chain(self.lower.map(|end| lower - end)).min()
+    }
+
     /// The end that a result is nearest to, or furthest beyond; `None` for a limit without ends.
     #[must_use]
     #[inline]

@@ -15,7 +15,7 @@ use crate::function::{Check, Judged, JudgedYoke, YokeJudge};
 use crate::judge::bound::GivenGeometry;
 use crate::judge::rule::{self, Conformance, Ends};
 use crate::judge::{Interval, Limit, LimitTarget, NearestEnd, Stack, Verdict};
-use crate::quantity::{LARGEST, Length};
+use crate::quantity::Length;
 use crate::table::Fault;
 use crate::uncertainty::Spreads;
 
@@ -160,10 +160,10 @@ impl Results<'_> {
     pub(in crate::batch) fn margins(&self, rows: &Range<usize>) -> Option<Vec<Length>> {
         let [(LimitTarget::CenterDistance, limit)] = &self.plan.limits[..] else { return None };
         let ranges = self.combined[self.plan.request.stack as usize].all(rows).filter(|_| self.meshed.is_empty())?;
-        let is_judged = self.verdicts[rows.clone()].iter().all(Option::is_some);
-        let far = Length::from_fm(LARGEST);
-        let (least, most) = (limit.lower.unwrap_or(-far), limit.upper.unwrap_or(far));
-        is_judged.then(|| ranges.map(|(lower, upper)| (*lower - least).min(most - *upper)).collect())
+        if self.verdicts[rows.clone()].contains(&None) {
+            return None;
+        }
+        ranges.map(|(lower, upper)| limit.inside_by(Interval { lower: *lower, upper: *upper })).collect()
     }
 
     /// Why a part fails, is indeterminate or has no verdict; for a part that the exact mesh judges, with its range.
@@ -232,10 +232,7 @@ impl Results<'_> {
     /// How far a part is inside the nearest limit; `None` where nothing is held against one.
     #[inline]
     pub(in crate::batch) fn inside_by(&self, row: usize) -> Option<Length> {
-        let inside_by = |(on, limit): &(LimitTarget, Limit)| {
-            let Interval { lower, upper } = self.judged(*on, row)?;
-            limit.upper.map(|end| end - upper).into_iter().chain(limit.lower.map(|end| lower - end)).min()
-        };
+        let inside_by = |(on, limit): &(LimitTarget, Limit)| limit.inside_by(self.judged(*on, row)?);
         self.plan.limits.iter().filter_map(inside_by).min()
     }
 
