@@ -128,6 +128,9 @@ fn role_of(written: &str) -> Option<(Form, Role, bool)> {
     })
 }
 
+/// The longest name that is looked up, in bytes.
+pub(crate) const LONGEST_KNOWN: usize = 100;
+
 /// What a heading means in tables of each form, with an underscore and with a blank in its place; nothing if its whole name is neither in
 /// the list nor a key.
 pub(crate) struct Known([Option<&'static [Option<Meaning>; 4]>; 2]);
@@ -135,8 +138,7 @@ pub(crate) struct Known([Option<&'static [Option<Meaning>; 4]>; 2]);
 impl Known {
     pub(crate) fn of(name: &str) -> Self {
         // no heading of the list is half as long or has a digit, and most cells of a table have one
-        const LONGEST: usize = 100;
-        if name.len() > LONGEST || name.bytes().any(|byte| byte.is_ascii_digit()) {
+        if name.len() > LONGEST_KNOWN || name.bytes().any(|byte| byte.is_ascii_digit()) {
             return Self([None; 2]);
         }
         let normal = normal(name);

@@ -27,7 +27,7 @@ use std::collections::HashSet;
 use std::sync::{Arc, LazyLock};
 
 use super::cell::{Cell, Record};
-use super::dictionary::Role;
+use super::dictionary::{LONGEST_KNOWN, Role};
 use super::encoding::text;
 use super::field::Field;
 use super::layout::{Layout, LineRule, OwnRule, StatusColumn};
@@ -136,9 +136,8 @@ impl Contract {
     /// Whether a cell has the name of a statistic or a limit.
     pub(crate) fn is_statistic(name: &Cell) -> bool {
         static NAMES: LazyLock<HashSet<&str>> = LazyLock::new(|| NO_PART_NAMES.split(", ").collect());
-        const LONGEST: usize = 100;
         let text = name.text();
-        if text.is_empty() || text.len() > LONGEST || text.bytes().any(|byte| byte.is_ascii_digit()) {
+        if text.is_empty() || text.len() > LONGEST_KNOWN || text.bytes().any(|byte| byte.is_ascii_digit()) {
             return false;
         }
         NAMES.contains(&*text.to_lowercase())
