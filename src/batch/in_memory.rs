@@ -162,8 +162,7 @@ impl ColumnEvaluator {
         Ok(EvaluatedColumns { columns: plan.columns_written(), results: evaluator.written.columns, counts, reading })
     }
 
-    /// Takes results that nobody needs any more: the next ones get their memory, which takes a third less time than new memory.
-    /// Up to 128 MiB are kept.
+    /// Takes results that nobody needs any more: the next ones get their memory. Up to 128 MiB are kept.
     pub fn take_back(&self, results: ResultColumns) {
         let mut spare = lock(&self.spare);
         if spare.iter().chain([&results]).map(ResultColumns::room_bytes).sum::<usize>() <= MOST_SPARE {

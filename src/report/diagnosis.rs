@@ -109,7 +109,7 @@ pub(super) fn blocks(diagnosis: &Diagnosis, is_fitted: bool) -> Vec<Block> {
     );
     blocks.push(Block::Note(match (diagnosis.errors.len(), diagnosis.leaves_more, diagnosis.eccentricity_mm) {
         (count, _, Some(mm)) => format!(
-            "an eccentricity of the pinion of {:.1} µm alone leaves no more than these {count} errors of teeth: write it into the spec, \
+            "an eccentricity of the pinion of {:.1} µm explains the curve as well as these {count} errors of teeth: write it into the spec, \
              pinion.deviation = [{{ eccentricity = … }}], and look again; {left}",
             1000.0 * tidy(mm)
         ),
@@ -235,7 +235,8 @@ mod tests {
         assert!(!part.contains("error explains") && !part.contains("+19.0 µm"), "{part}");
         let (simpler, no_ends) = said(false, Some(0.015));
         assert!(
-            simpler.contains("an eccentricity of the pinion of 15.0 µm alone") && !simpler.contains("+19.0 µm"),
+            simpler.contains("an eccentricity of the pinion of 15.0 µm explains the curve as well")
+                && !simpler.contains("+19.0 µm"),
             "{simpler}"
         );
         assert_eq!(no_ends, json!([null, null]));

@@ -64,7 +64,7 @@ pub struct Diagnosis {
     pub rms_left_mm: f64,
     /// Whether that is clearly more than the noise.
     pub leaves_more: bool,
-    /// The eccentricity of the pinion that alone leaves no more than several errors of teeth, mm: it is the likelier cause.
+    /// The eccentricity of the pinion that explains the curve as well as the errors of several teeth, mm: it is the likelier cause.
     pub eccentricity_mm: Option<f64>,
     /// The explained curve: the computed curve with the errors, placed, at the measured points, mm.
     pub explained_mm: Vec<f64>,
