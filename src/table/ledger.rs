@@ -14,22 +14,19 @@ use crate::quantity::shown;
 pub(crate) const OF_FORMAT: &str = "by its format";
 /// How many texts of each rule are shown.
 const SHOWN: usize = 3;
-/// How many texts that differ are kept of each rule: more than a page shows of a column, and its heading.
-const DIFFERING: usize = 5;
+/// How many texts are kept of each rule: more than a page shows of a column, and its heading.
+const KEPT: usize = 5;
 
 /// What a rule left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
     /// How many cells or lines; blank ones do not count.
     pub count: u64,
-    /// The first texts.
+    /// The first texts that differ.
     pub first: Vec<String>,
     /// A digest of all texts with their places. The order in which they are added does not matter.
     #[serde(serialize_with = "in_hexadecimal")]
     pub digest: u64,
-    /// The first texts that differ.
-    #[serde(skip)]
-    pub(crate) texts: Vec<String>,
 }
 
 /// A rule that a person wrote, or that a format has, and what it left out.
@@ -55,17 +52,14 @@ impl Tally {
         if !text.is_empty() {
             self.count += 1;
             self.digest = self.digest.wrapping_add(digest(line, place, text.as_bytes()));
-            if self.first.len() < SHOWN {
-                self.first.push(text.to_owned());
-            }
             self.keep(text);
         }
     }
 
     /// Keeps a text if it differs from those that are kept, and there is room.
     fn keep(&mut self, text: &str) {
-        if self.texts.len() < DIFFERING && self.texts.iter().all(|known| known != text) {
-            self.texts.push(text.to_owned());
+        if self.first.len() < KEPT && self.first.iter().all(|known| known != text) {
+            self.first.push(text.to_owned());
         }
     }
 
@@ -73,9 +67,7 @@ impl Tally {
     pub(crate) fn join(&mut self, next: &Self) {
         self.count += next.count;
         self.digest = self.digest.wrapping_add(next.digest);
-        let room = SHOWN - self.first.len();
-        self.first.extend(next.first.iter().take(room).cloned());
-        next.texts.iter().for_each(|text| self.keep(text));
+        next.first.iter().for_each(|text| self.keep(text));
     }
 }
 
@@ -83,8 +75,8 @@ impl Tally {
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Tally { count, first, digest, .. } = &self.tally;
-        let texts: Vec<_> = first.iter().map(|text| shown(text)).collect();
-        let more = if *count > SHOWN as u64 { ", …" } else { "" };
+        let texts: Vec<_> = first.iter().take(SHOWN).map(|text| shown(text)).collect();
+        let more = if *count > texts.len() as u64 { ", …" } else { "" };
         match count {
             0 => write!(f, "{} nothing", self.rule),
             1 => write!(f, "{} 1 text ({}) {:08x}", self.rule, texts.concat(), digest >> 32),
@@ -96,7 +88,7 @@ impl fmt::Display for LeftOut {
 impl LeftOut {
     /// The first texts that differ.
     pub fn texts(&self) -> impl Iterator<Item = &str> {
-        self.tally.texts.iter().map(String::as_str)
+        self.tally.first.iter().map(String::as_str)
     }
 }
 
