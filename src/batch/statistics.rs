@@ -6,7 +6,7 @@
 //! wide, so they are within 0.05 % of a value. The test for a normal distribution needs the values themselves, which are
 //! kept up to a limit.
 
-use crate::quantity::{FM_PER_MM, Length};
+use crate::quantity::{FM_PER_MM, Length, tidy};
 use crate::statistics::capability::{FEWEST_PARTS, Normality};
 use crate::statistics::{LengthMoments, quantile_place};
 
@@ -203,7 +203,7 @@ impl Statistics {
         }
         let (before, share) = quantile_place(q, self.count());
         let low = self.order_statistic_mm(before);
-        Some(if share > 0.0 { low + share * (self.order_statistic_mm(before + 1) - low) } else { low })
+        Some(if share > 0.0 { tidy(low + share * (self.order_statistic_mm(before + 1) - low)) } else { low })
     }
 
     /// The value that so many values lie before, mm, to 0.05 %; the smallest and the largest are exact.
