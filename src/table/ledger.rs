@@ -74,7 +74,7 @@ impl Tally {
 /// `` `Temp*` 12 cells (20,1, 20,2, 20,2, …) 1a2b3c4d ``
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Tally { count, first, digest, .. } = &self.tally;
+        let Tally { count, first, digest } = &self.tally;
         let texts: Vec<_> = first.iter().take(SHOWN).map(|text| shown(text)).collect();
         let more = if *count > texts.len() as u64 { ", …" } else { "" };
         match count {

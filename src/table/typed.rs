@@ -110,7 +110,7 @@ pub(crate) fn parquet_table(name: &str, mut file: ParquetTable, want: &Want) -> 
         return Err(Diagnostic::error(Code::BadTable, message).into());
     }
     for (rule, place, title) in unread.into_iter().chain(table.left_out_columns(&places)) {
-        let tally = Tally { count: 1, first: vec![title], digest: file.stored_digest(place), ..Tally::default() };
+        let tally = Tally { count: 1, first: vec![title], digest: file.stored_digest(place) };
         table.reading.left_out[rule].tally.join(&tally);
     }
     table.reading.header_line = None;
