@@ -71,7 +71,7 @@ impl Tally {
     }
 }
 
-/// `` `Temp*` 12 cells (20,1, 20,2, 20,2, …) 1a2b3c4d ``
+/// `` `Temp*` 12 texts (20,1, 20,2, 20,3, …) 1a2b3c4d ``
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Tally { count, first, digest } = &self.tally;

@@ -208,9 +208,10 @@ impl Pcdmis<'_> {
         if is_axis && words.clone().nth(1).is_some_and(is_number) {
             return self.axis(&words.collect::<Vec<_>>(), number);
         }
-        // most reports have no such rule
-        let rules = Some(self.layout).filter(|layout| !layout.ignore_lines.is_empty());
-        match rules.and_then(|layout| layout.covering(&Record::new(vec![Cell::of_text(line)], number))) {
+        // a record is made only where a rule looks at it
+        let has_rules = !self.layout.ignore_lines.is_empty();
+        let covering = || self.layout.covering(&Record::new(vec![Cell::of_text(line)], number));
+        match has_rules.then(covering).flatten() {
             Some(rule) => {
                 let rule = self.layout.rule_of_line(rule);
                 self.report.file.leave_out(rule, 0, &format!("line {number}: {line}"));
