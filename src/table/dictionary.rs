@@ -177,7 +177,7 @@ pub(crate) fn headings_of(role: Role) -> impl Iterator<Item = &'static str> {
 pub(crate) fn plain_widths(text: &str) -> Cow<'_, str> {
     const KATAKANA: &str = "ヲァィゥェォャュョッーアイウエオカキクケコサシスセソタチツテトナニヌネノハヒフヘホマミムメモヤユヨラリルレロワン";
     // all of them are beyond U+3000
-    if text.bytes().all(|byte| byte < 0xe3) {
+    if text.bytes().fold(0, u8::max) < 0xe3 {
         return text.into();
     }
     let katakana = |c: char| KATAKANA.chars().nth(c as usize - 0xff66);

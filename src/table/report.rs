@@ -193,7 +193,8 @@ impl Pcdmis<'_> {
         }
         // several entries of the head may stand in a line
         let heads = line.split("  ").map(str::trim).filter(|head| !head.is_empty());
-        if heads.clone().nth(1).is_some() && heads.clone().all(|head| head.contains(':')) {
+        let is_head = |head: &str| head.contains(':');
+        if is_head(line) && heads.clone().nth(1).is_some() && heads.clone().all(is_head) {
             return heads.for_each(|head| self.line(head, number));
         }
         if self.head(line, number) {
@@ -214,7 +215,7 @@ impl Pcdmis<'_> {
         match has_rules.then(covering).flatten() {
             Some(rule) => {
                 let rule = self.layout.rule_of_line(rule);
-                self.report.file.leave_out(rule, 0, &format!("line {number}: {line}"));
+                self.report.file.leave_out(rule, number, line);
             }
             None if self.report.file.open.len() >= MOST_LISTED => self.report.file.more += 1,
             None => self.open(Open::Line { line: number, text: line.to_owned(), is_heading: false }),

@@ -119,11 +119,14 @@ impl Counts {
         let mut least = least_doublings;
         while self.doublings < least {
             let by = least - self.doublings;
-            let mut wider = BTreeMap::new();
+            let mut wider: Vec<(i64, u64)> = Vec::with_capacity(self.bins.len());
             for (bin, count) in std::mem::take(&mut self.bins) {
-                *wider.entry(bin >> by).or_default() += count;
+                match wider.last_mut().filter(|(last, _)| *last == bin >> by) {
+                    Some((_, sum)) => *sum += count,
+                    None => wider.push((bin >> by, count)),
+                }
             }
-            self.bins = wider;
+            self.bins = wider.into_iter().collect();
             self.doublings = least;
             least += u32::from(self.bins.len() > MOST_BINS);
         }

@@ -156,10 +156,10 @@ impl Contract {
             .then(|| format!("`{text}` is no part's name: leave the line out, or give the part another name"))
     }
 
-    /// Whether a name needs no closer look: no name of a statistic or a limit has a digit, and it may be another word.
+    /// Whether a name needs no closer look: no name of a statistic or a limit has a digit, and it may be other words.
     pub(crate) fn is_plain_name(name: &[u8]) -> bool {
         let is_word =
-            |text: &str| text.chars().all(char::is_alphabetic) && Self::no_name(&Cell::of_text(text)).is_none();
+            |text: &str| text.chars().any(char::is_alphabetic) && Self::no_name(&Cell::of_text(text)).is_none();
         name.iter().any(u8::is_ascii_digit) || is_word(&text(name))
     }
 
