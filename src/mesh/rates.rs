@@ -31,9 +31,36 @@ pub struct Rates {
     pub sliding: f64,
 }
 
+/// The right and the left carrier.
+struct Carried {
+    demands: [Demand; 2],
+    normals: [Normal; 2],
+    /// dΔCD/ds.
+    delta_cd: f64,
+    /// dθ/ds, rad/mm.
+    pinion_angle: f64,
+}
+
 impl Sampler<'_> {
     /// The rates at a point that was solved for this mesh; `None` if the rack may roll, or the point is not solved.
     pub fn rates(&mut self, point: &MeshPoint) -> Option<Rates> {
+        let Carried { demands: [right, left], normals: [r, l], delta_cd, pinion_angle } = self.carried(point)?;
+        let share = l.along / (l.along - r.along);
+        let mut sliding = |side: FlankSide, demand: &Demand, normal: Normal, share: f64| {
+            let motion = Motion { sign: side.sign(), delta_cd, pinion_angle };
+            share * normal.length() * self.slip(side, demand, &motion)
+        };
+        let sliding = sliding(FlankSide::Right, &right, r, share) + sliding(FlankSide::Left, &left, l, 1.0 - share);
+        sliding.is_finite().then_some(Rates { delta_cd, pinion_angle, sliding })
+    }
+
+    /// dΔCD/ds alone, as in the rates.
+    pub fn slope(&mut self, point: &MeshPoint) -> Option<f64> {
+        self.carried(point).map(|carried| carried.delta_cd)
+    }
+
+    /// What carries at a solved point, and how fast it moves.
+    fn carried(&mut self, point: &MeshPoint) -> Option<Carried> {
         if self.mesh.support() != Support::Fixed || !point.is_solved() {
             return None;
         }
@@ -41,17 +68,12 @@ impl Sampler<'_> {
         self.carries(FlankSide::Right, point.right.rack_tooth);
         self.carries(FlankSide::Left, point.left.rack_tooth);
         let [right, left] = self.demands(&position, -point.transmission_error_rad).ok()?;
-        let [r, l] = [self.normal(FlankSide::Right, &right), self.normal(FlankSide::Left, &left)];
+        let normals = [self.normal(FlankSide::Right, &right), self.normal(FlankSide::Left, &left)];
+        let [r, l] = normals;
         let pinion_angle = (r.along - l.along) / (left.rate - right.rate);
         let delta_cd = -r.along - right.rate * pinion_angle;
-        let share = l.along / (l.along - r.along);
-        let mut sliding = |side: FlankSide, demand: &Demand, normal: Normal, share: f64| {
-            let motion = Motion { sign: side.sign(), delta_cd, pinion_angle };
-            share * normal.length() * self.slip(side, demand, &motion)
-        };
-        let sliding = sliding(FlankSide::Right, &right, r, share) + sliding(FlankSide::Left, &left, l, 1.0 - share);
-        let is_known = [delta_cd, pinion_angle, sliding].into_iter().all(f64::is_finite) && pinion_angle > 0.0;
-        is_known.then_some(Rates { delta_cd, pinion_angle, sliding })
+        let is_known = delta_cd.is_finite() && pinion_angle.is_finite() && pinion_angle > 0.0;
+        is_known.then_some(Carried { demands: [right, left], normals, delta_cd, pinion_angle })
     }
 
     /// The normal of a carrier.

@@ -2,6 +2,7 @@
 //!
 //! The command line reads the table and calls this room with a mesh and points.
 
+mod curves;
 mod diagnosis;
 mod search;
 mod sight;

@@ -2,7 +2,9 @@
 //! that together fit best.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
+use super::curves::{Curve, Curves};
 use super::sight::{Effects, Explains, Sight};
 use super::starts::SHIFTS;
 use super::tooth_error::{ToothError, ToothErrorKind, with_errors};
@@ -18,7 +20,7 @@ pub(super) const SAME_CURVE: f64 = 9.0;
 const SIZES_MM: [f64; 2] = [UNSEEN_MM, 0.07];
 /// Largest probability that an error is found in a curve without one, by Bonferroni over all errors tried.
 const FALSE_ALARM: f64 = 0.01;
-/// Step of the stroke, or of an error's size, for slopes of the curve, mm.
+/// Step of an error's size for slopes of the curve, mm.
 const STEP_MM: f64 = 2e-4;
 /// Strokes in a pitch for the first, coarse comparison.
 pub(super) const FIRST_LOOK: u8 = 12;
@@ -59,6 +61,8 @@ pub(super) struct Search<'a> {
     pub(super) threshold: f64,
     pub(super) errors: Vec<(ToothError, f64)>,
     pub(super) shift_mm: f64,
+    /// The curves solved last.
+    pub(super) curves: Curves,
 }
 
 /// The noise of a curve, mm, from the median of its second differences, which a few steps do not change.
@@ -116,6 +120,7 @@ impl<'a> Search<'a> {
             candidates: Vec::new(),
             errors: Vec::new(),
             shift_mm,
+            curves: Curves::default(),
         };
         search.candidates = search.within_reach([shift_mm; 2]);
         // the tail of χ² with one degree of freedom is below exp(−χ²/2)
@@ -142,16 +147,20 @@ impl<'a> Search<'a> {
         points: &Points,
         fits_sizes: bool,
     ) -> Result<Sight, TraceError> {
-        let strokes: Vec<f64> = points.iter().map(|(stroke, ..)| stroke - self.shift_mm).collect();
+        let curve = self.curve(errors, points, self.shift_mm)?;
         let measured: Vec<f64> = points.iter().map(|(_, delta_cd, _)| *delta_cd).collect();
         let weights: Vec<f64> = points.iter().map(|(.., count)| count / (self.noise_mm * self.noise_mm)).collect();
-        let model = sampled(&self.with(errors)?, &strokes)?;
-        let mut columns = self.placing(errors, (&strokes, &model), &weights)?;
+        let mut columns = self.placing(&curve, &weights);
         for (error, _) in errors.iter().filter(|_| fits_sizes) {
-            let slopes = self.effect(errors, *error, STEP_MM, (&strokes, &model));
+            let slopes = self.effect(errors, *error, STEP_MM, (&curve.strokes_mm, &curve.model_mm));
             columns.push(slopes.unwrap_or_default().iter().map(|mm| mm / STEP_MM).collect());
         }
-        Ok(Sight::new((strokes, model), &measured, weights, &columns))
+        Ok(Sight::new((curve.strokes_mm.clone(), curve.model_mm.clone()), &measured, weights, &columns))
+    }
+
+    /// The computed curve with some errors below points, at a stroke shift.
+    fn curve(&self, errors: &[(ToothError, f64)], points: &Points, shift_mm: f64) -> Result<Arc<Curve>, TraceError> {
+        self.curves.of(self.mesh, errors, points.iter().map(|(stroke, ..)| stroke - shift_mm).collect())
     }
 
     fn with(&self, errors: &[(ToothError, f64)]) -> Result<Mesh, TraceError> {
@@ -159,24 +168,16 @@ impl<'a> Search<'a> {
     }
 
     /// The columns of offset and stroke shift, if they are fitted; that of the shift only if the curve determines it.
-    fn placing(
-        &self,
-        errors: &[(ToothError, f64)],
-        (strokes, model): (&[f64], &[f64]),
-        weights: &[f64],
-    ) -> Result<Vec<Vec<f64>>, TraceError> {
+    fn placing(&self, curve: &Curve, weights: &[f64]) -> Vec<Vec<f64>> {
         const TOLD: f64 = 0.1;
         if !self.fits {
-            return Ok(Vec::new());
+            return Vec::new();
         }
-        let ahead = sampled(&self.with(errors)?, &strokes.iter().map(|stroke| stroke + STEP_MM).collect::<Vec<_>>())?;
-        let slopes: Vec<f64> = ahead.iter().zip(model).map(|(ahead, here)| (ahead - here) / STEP_MM).collect();
-        let ones = vec![1.0; strokes.len()];
-        let zeros = || vec![0.0; strokes.len()];
+        let (ones, zeros) = (vec![1.0; weights.len()], || vec![0.0; weights.len()]);
         let alone = Sight::new((zeros(), zeros()), &zeros(), weights.to_vec(), std::slice::from_ref(&ones));
         let told_mm = TOLD * self.mesh.pair().rack().pitch_mm;
-        let is_told = alone.visible(&slopes) * told_mm * told_mm > 1.0;
-        Ok(if is_told { vec![ones, slopes] } else { vec![ones] })
+        let is_told = alone.visible(&curve.slopes) * told_mm * told_mm > 1.0;
+        if is_told { vec![ones, curve.slopes.clone()] } else { vec![ones] }
     }
 
     /// The effect of an error of a size beside some errors. The computed curve with these is `model` at `strokes`. `None` for
@@ -352,20 +353,26 @@ impl<'a> Search<'a> {
 
     /// χ² of some errors at a stroke shift, with the best offset.
     pub(super) fn chi_square(&self, errors: &[(ToothError, f64)], shift_mm: f64) -> Option<f64> {
-        let strokes: Vec<f64> = self.points.iter().map(|(stroke, ..)| stroke - shift_mm).collect();
-        let model = sampled(&with_errors(self.mesh, errors)?, &strokes).ok()?;
+        let curve = self.curve(errors, &self.points, shift_mm).ok()?;
         let measured: Vec<f64> = self.points.iter().map(|(_, delta_cd, _)| *delta_cd).collect();
-        let weights = vec![1.0 / (self.noise_mm * self.noise_mm); strokes.len()];
-        let beside = if self.fits { vec![vec![1.0; strokes.len()]] } else { Vec::new() };
-        Some(Sight::new((strokes, model), &measured, weights, &beside).chi_square())
+        let weights = vec![1.0 / (self.noise_mm * self.noise_mm); measured.len()];
+        let beside = if self.fits { vec![vec![1.0; measured.len()]] } else { Vec::new() };
+        let solved = (curve.strokes_mm.clone(), curve.model_mm.clone());
+        Some(Sight::new(solved, &measured, weights, &beside).chi_square())
     }
 
     /// Fits all sizes and the stroke shift together, by the Gauss-Newton method.
     pub(super) fn refit(&mut self) -> Result<(), TraceError> {
-        const ROUNDS: usize = 8;
+        self.refit_below(f64::INFINITY)
+    }
+
+    /// The same as long as the cost may come below a given one: no round gains more than the one before.
+    pub(super) fn refit_below(&mut self, cost: f64) -> Result<(), TraceError> {
+        const ROUNDS: u8 = 8;
         const ENOUGH: f64 = 0.1;
         let mut least = self.chi_square(&self.errors, self.shift_mm).unwrap_or(f64::INFINITY);
-        for _ in 0..ROUNDS {
+        let below = cost - self.threshold * self.errors.len() as f64;
+        for left in (0..ROUNDS).rev() {
             let fitted = self.sight(&self.errors, &self.points, true)?;
             let placed = fitted.columns() - self.errors.len();
             let moved = |share: f64| {
@@ -382,7 +389,7 @@ impl<'a> Search<'a> {
             (self.errors, self.shift_mm) = (errors, shift);
             let gained = least - square;
             least = square;
-            if gained < ENOUGH {
+            if gained < ENOUGH || least - f64::from(left) * gained > below {
                 break;
             }
         }

@@ -18,7 +18,7 @@ impl Search<'_> {
             let without = |at: usize| {
                 let mut fewer = self.clone();
                 fewer.errors.remove(at);
-                fewer.refit()?;
+                fewer.refit_below(self.cost())?;
                 Ok((fewer.cost(), fewer))
             };
             let tried: Vec<(f64, Self)> = (0..self.errors.len()).map(without).collect::<Result<_, TraceError>>()?;
@@ -90,7 +90,7 @@ impl Search<'_> {
             let mut replaced = self.clone();
             replaced.errors.clone_from(&others);
             replaced.errors.push((error, explains.size_mm));
-            replaced.refit()?;
+            replaced.refit_below(below)?;
             if replaced.cost() < below {
                 return Ok(Some(replaced));
             }
