@@ -213,11 +213,16 @@ impl ResultColumn {
     pub(super) fn extend_words(&mut self, words: Option<&str>, rows: usize) {
         self.begin(rows, words.is_some());
         if let ResultValues::Texts { bytes, ends } = &mut self.values {
-            let words = words.unwrap_or_default();
-            ends.extend((0..rows).map(|_| {
-                bytes.extend_from_slice(words.as_bytes());
-                end_of(bytes)
-            }));
+            let words = words.filter(|_| rows > 0).unwrap_or_default().as_bytes();
+            let start = bytes.len();
+            let end = start + rows * words.len();
+            bytes.extend_from_slice(words);
+            // what is there already is copied, so that a long run takes few steps
+            while bytes.len() < end {
+                let more = (bytes.len() - start).min(end - bytes.len());
+                bytes.extend_from_within(start..start + more);
+            }
+            ends.extend((1..=rows).map(|row| (start + row * words.len()) as i32));
         }
     }
 

@@ -148,10 +148,15 @@ const PAIRS: [u16; 128] = {
 pub(crate) fn write_whole(out: &mut Vec<u8>, mut number: u64) {
     let mut text = [b'0'; 20];
     let mut start = text.len();
-    while start == text.len() || number > 0 {
+    while number >= 10 {
+        start -= 2;
+        text[start..start + 2].copy_from_slice(&PAIRS[(number % 100) as usize].to_le_bytes());
+        number /= 100;
+    }
+    // no digit is left, or one; 0 is one
+    if number > 0 || start == text.len() {
         start -= 1;
-        text[start] += (number % 10) as u8;
-        number /= 10;
+        text[start] += number as u8;
     }
     out.extend_from_slice(&text[start..]);
 }
