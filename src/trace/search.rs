@@ -366,7 +366,7 @@ impl<'a> Search<'a> {
         self.refit_below(f64::INFINITY)
     }
 
-    /// The same as long as the cost may come below a given one: no round gains more than the one before.
+    /// The same, as long as the cost comes below a given one if each further round gains as much as the last.
     pub(super) fn refit_below(&mut self, cost: f64) -> Result<(), TraceError> {
         const ROUNDS: u8 = 8;
         const ENOUGH: f64 = 0.1;
