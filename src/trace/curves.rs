@@ -60,7 +60,8 @@ fn solved(mesh: &Mesh, strokes_mm: &[f64]) -> Result<(Vec<f64>, Vec<f64>), MeshE
     let with_slopes = |points: &[(f64, Result<MeshPoint, MeshError>)]| {
         let mut sampler = Sampler::new(mesh);
         let mut with_slope = |(_, point): &(f64, Result<MeshPoint, MeshError>)| {
-            let point = point.clone()?;
+            let point = (*point)?;
+            // without a slope a point says nothing of the shift
             Ok((point.delta_cd_mm, sampler.slope(&point).unwrap_or(0.0)))
         };
         points.iter().map(&mut with_slope).collect::<Vec<Result<_, MeshError>>>()
