@@ -130,7 +130,7 @@ impl ResultColumns {
                 (ResultValues::Numbers(all), ResultValues::Numbers(mut more)) => all.append(&mut more),
                 (ResultValues::Flags(all), ResultValues::Flags(mut more)) => all.append(&mut more),
                 (ResultValues::Texts { bytes, ends }, ResultValues::Texts { bytes: mut more, ends: more_ends }) => {
-                    let start = end_of(bytes);
+                    let start = end_of(bytes.len());
                     bytes.append(&mut more);
                     ends.extend(more_ends.into_iter().skip(1).map(|end| start + end));
                 }
@@ -204,7 +204,7 @@ impl ResultColumn {
         if let ResultValues::Texts { bytes, ends } = &mut self.values {
             ends.extend(rows.map(|row| {
                 append(row, bytes);
-                end_of(bytes)
+                end_of(bytes.len())
             }));
         }
     }
@@ -213,16 +213,9 @@ impl ResultColumn {
     pub(super) fn extend_words(&mut self, words: Option<&str>, rows: usize) {
         self.begin(rows, words.is_some());
         if let ResultValues::Texts { bytes, ends } = &mut self.values {
-            let words = words.filter(|_| rows > 0).unwrap_or_default().as_bytes();
-            let start = bytes.len();
-            let end = start + rows * words.len();
-            bytes.extend_from_slice(words);
-            // what is there already is copied, so that a long run takes few steps
-            while bytes.len() < end {
-                let more = (bytes.len() - start).min(end - bytes.len());
-                bytes.extend_from_within(start..start + more);
-            }
-            ends.extend((1..=rows).map(|row| (start + row * words.len()) as i32));
+            let (start, words) = (bytes.len(), words.unwrap_or_default().as_bytes());
+            bytes.extend_from_slice(&words.repeat(rows));
+            ends.extend((1..=rows).map(|row| end_of(start + row * words.len())));
         }
     }
 
@@ -241,7 +234,7 @@ impl ResultColumn {
                 if let ResultCell::Text(text) = cell {
                     append_text(bytes, text);
                 }
-                ends.push(end_of(bytes));
+                ends.push(end_of(bytes.len()));
             }
         }
     }
@@ -257,10 +250,10 @@ fn emptied<T>(mut values: Vec<T>, room: usize) -> Vec<T> {
     values
 }
 
-/// Where texts end. Whoever gathers more than [`i32::MAX`] bytes of them refuses them.
+/// Where texts of so many bytes end. Whoever gathers more than [`i32::MAX`] bytes of them refuses them.
 #[inline]
-fn end_of(texts: &[u8]) -> i32 {
-    texts.len() as i32
+fn end_of(bytes: usize) -> i32 {
+    bytes as i32
 }
 
 /// Appends a text as UTF-8.
