@@ -191,7 +191,7 @@ impl Pcdmis<'_> {
         if words.clone().next() == Some("AX") && words.clone().any(|word| word == "MEAS") {
             return self.heading(&words.skip(1).collect::<Vec<_>>(), line, number);
         }
-        // several entries of the head may stand in a line
+        // several entries of the head may stand in a line; most lines have no colon, and are not split
         let heads = line.split("  ").map(str::trim).filter(|head| !head.is_empty());
         let is_head = |head: &str| head.contains(':');
         if is_head(line) && heads.clone().nth(1).is_some() && heads.clone().all(is_head) {

@@ -163,10 +163,6 @@ impl<'a> Search<'a> {
         self.curves.of(self.mesh, errors, points.iter().map(|(stroke, ..)| stroke - shift_mm).collect())
     }
 
-    fn with(&self, errors: &[(ToothError, f64)]) -> Result<Mesh, TraceError> {
-        with_errors(self.mesh, errors).ok_or(TraceError::NoSuchErrors)
-    }
-
     /// The columns of offset and stroke shift, if they are fitted; that of the shift only if the curve determines it.
     fn placing(&self, curve: &Curve, weights: &[f64]) -> Vec<Vec<f64>> {
         const TOLD: f64 = 0.1;
@@ -203,7 +199,7 @@ impl<'a> Search<'a> {
         if self.mesh.support() != Support::Fixed {
             return Ok(None);
         }
-        let mesh = self.with(errors)?;
+        let mesh = with_errors(self.mesh, errors).ok_or(TraceError::NoSuchErrors)?;
         let mut sampler = Sampler::new(&mesh);
         let mut at = |stroke: &f64| -> Result<_, TraceError> {
             let point = sampler.at(*stroke)?;
@@ -366,7 +362,7 @@ impl<'a> Search<'a> {
         self.refit_below(f64::INFINITY)
     }
 
-    /// The same, as long as the cost comes below a given one if each further round gains as much as the last.
+    /// Fits them for a cost below a given one. The fit ends early where further rounds that gain as much as the last do not reach it.
     pub(super) fn refit_below(&mut self, cost: f64) -> Result<(), TraceError> {
         const ROUNDS: u8 = 8;
         const ENOUGH: f64 = 0.1;
